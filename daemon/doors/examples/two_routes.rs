@@ -28,7 +28,7 @@ async fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The two routes at a free port of this machine, and its address.
+/// Serves the two routes at a free port of this machine; returns its address.
 pub(crate) async fn behind_a_token(
     tokens: &Path,
 ) -> Result<(Entrance, SocketAddr), Box<dyn Error>> {

@@ -1,4 +1,4 @@
-//! Who may do what: rights, and the doors that requests come through.
+//! Authenticates requests and checks their rights.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ use crate::seldom::Seldom;
 use crate::slots::Full;
 use crate::tokens::Tokens;
 
-/// Where requests come in, and what says there who asks.
+/// Where requests come from, and how their senders are identified.
 #[derive(Clone, Debug)]
 pub struct Door(Kind);
 
@@ -29,40 +29,40 @@ enum Kind {
     Proved { log: Arc<Log> },
 }
 
-/// What is told of those who come in by other doors than the socket.
+/// The log of requests that do not come from the Unix socket.
 #[derive(Debug, Default)]
 pub struct Log {
     refused: Seldom,
     changes: Seldom,
 }
 
-/// Where a request comes from.
+/// Address of the sender of a request.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Peer(pub(crate) SocketAddr);
 
 impl Door {
-    /// The Unix socket, which only the owner of the process can open: no token, all rights.
+    /// The Unix socket, which only the owner of the process can open: all rights, without a token.
     #[must_use]
     pub fn own() -> Self {
         Self(Kind::Own)
     }
 
-    /// A network: a token says who it is, or a client certificate that TLS has checked.
-    /// `certified` are the rights of a certificate, to which those of a token are added; empty
-    /// where TLS asks for none.
+    /// A network address. Senders are identified by a token, or by a client certificate that TLS
+    /// has checked. `certified` are the rights of a certificate, to which those of a token are
+    /// added; empty if TLS requires no certificates.
     #[must_use]
     pub fn guarded(tokens: Arc<Tokens>, log: Arc<Log>, certified: Vec<Right>) -> Self {
         Self(Kind::Guarded { tokens, log, certified })
     }
 
-    /// Messages that others pass on: who asks was proved before the request came here, and is in
-    /// its extensions: a desk puts it there.
+    /// Messages that others relay. The sender proved its identity before the request came here; a
+    /// desk stores the holder in the request's extensions.
     #[must_use]
     pub fn proved(log: Arc<Log>) -> Self {
         Self(Kind::Proved { log })
     }
 
-    /// Whether a request without a token is refused here.
+    /// Whether a request without a token is refused.
     pub(crate) fn asks_for_a_token(&self) -> bool {
         matches!(self.0, Kind::Guarded { .. })
     }
@@ -99,7 +99,8 @@ impl Door {
     }
 }
 
-/// The token of such a header; names of schemes are written in any case (RFC 9110, 11.1).
+/// The token of an `Authorization` header. The name of the scheme is case-insensitive (RFC 9110,
+/// 11.1).
 fn bearer(given: &[u8]) -> &[u8] {
     match given.split_at_checked(6) {
         Some((scheme, rest)) if scheme.eq_ignore_ascii_case(b"Bearer") => rest.trim_ascii_start(),
@@ -108,7 +109,7 @@ fn bearer(given: &[u8]) -> &[u8] {
 }
 
 impl Log {
-    /// Somebody was refused: where from and why, never with what.
+    /// Logs a refused request: where it came from and why, but never the token.
     fn refused(&self, request: &Request, why: &str) {
         let peer = request.extensions().get::<Peer>();
         let from = peer.map_or_else(String::new, |Peer(peer)| format!(" of {}", peer.ip()));
@@ -118,7 +119,7 @@ impl Log {
         });
     }
 
-    /// Somebody changed something.
+    /// Logs a request that changed something.
     fn changed(&self, who: &str, what: &str, status: StatusCode) {
         let outcome = if status.is_success() { "" } else { ", refused" };
         self.changes.tell(format!("{who} {what}{outcome}"), |more| {
@@ -127,7 +128,7 @@ impl Log {
     }
 }
 
-/// Method and path of a request, which are ASCII without blanks, as far as a line has room.
+/// Method and path of a request, which are ASCII without blanks, cut to the length of a log line.
 fn what(request: &Request) -> String {
     let path = request.uri().path();
     let short = path.get(..100).unwrap_or(path);
@@ -140,13 +141,13 @@ fn unknown(message: &str) -> RpcError {
     RpcError::new(StatusCode::UNAUTHORIZED, Code::Unauthorized, message)
 }
 
-/// What stands before the handlers.
+/// State of the check before the handlers.
 pub(crate) struct Gate {
     pub(crate) door: Door,
     pub(crate) rights: Rights,
 }
 
-/// Lets through whoever has the right that the route asks for.
+/// Passes on requests whose sender has the right that the route requires.
 pub(crate) async fn check(
     State(gate): State<Arc<Gate>>,
     mut request: Request,
@@ -168,7 +169,7 @@ pub(crate) async fn check(
             if let Some((log, who, what)) = told {
                 log.changed(&who, &what, response.status());
             }
-            // As long as the answer is under way: it may be a stream.
+            // Held until the response, which may be a stream, has been sent.
             response.map(|body| Body::new(Held::new(body, busy)))
         }
         Err(refused) => {
@@ -192,7 +193,7 @@ fn too_busy(full: Full) -> RpcError {
         .help("wait for one to be answered, or raise rpc.max_connections_per_token")
 }
 
-/// Path of the route that a request goes to.
+/// Path of the route that matches a request.
 fn path(request: &Request) -> Option<&str> {
     request.extensions().get::<MatchedPath>().map(MatchedPath::as_str)
 }
@@ -205,7 +206,8 @@ fn method(request: &Request) -> &str {
     }
 }
 
-/// Who asks; nobody needs to say so of what is for anybody.
+/// The sender of a request; `None` if the route is open to anybody and the sender did not identify
+/// itself.
 fn admit(gate: &Gate, request: &Request) -> Result<Option<Holder>, RpcError> {
     let method = method(request);
     let wanted = gate.rights.wanted(method, path(request));
@@ -213,7 +215,7 @@ fn admit(gate: &Gate, request: &Request) -> Result<Option<Holder>, RpcError> {
         return Ok(None);
     }
     let holder = gate.door.holder(request)?;
-    // Of no known path, nothing but that is told, and only to those who have a token.
+    // An unknown path is reported only to clients with a token.
     match wanted {
         Wanted::Right(right) => {
             holder.may(right, format_args!("{method} {}", request.uri().path()))?;

@@ -1,4 +1,4 @@
-//! The one shape of errors: `{"error": {"code", "message", "where", "help"}}`.
+//! The form of all errors: `{"error": {"code", "message", "where", "help"}}`.
 
 use axum::Json;
 use axum::http::StatusCode;
@@ -6,7 +6,7 @@ use axum::response::{IntoResponse, Response};
 use genom_nearest::suggest;
 use genom_protocol::{Code, Reason, Refusal};
 
-/// Why a request was refused. Nothing was changed.
+/// Why a request was refused. The request changed nothing.
 #[derive(Clone, Debug)]
 pub struct RpcError {
     status: StatusCode,
@@ -14,12 +14,12 @@ pub struct RpcError {
 }
 
 impl RpcError {
-    /// A refusal with neither a place nor a way out.
+    /// A refusal without place and help.
     pub fn new(status: StatusCode, code: Code, message: impl Into<String>) -> Self {
         Self { status, reason: Reason::new(code, message) }
     }
 
-    /// 404 for a name among others; suggests the nearest.
+    /// 404 for an unknown name; suggests the nearest known one.
     pub fn unknown<'a>(
         code: Code,
         what: impl std::fmt::Display,
@@ -30,24 +30,24 @@ impl RpcError {
             .help(suggest(typed, candidates))
     }
 
-    /// 422 for an input of the wrong shape.
+    /// 422 for an input of the wrong form.
     pub fn bad_input(message: impl Into<String>) -> Self {
         Self::new(StatusCode::UNPROCESSABLE_ENTITY, Code::BadInput, message)
     }
 
-    /// 409 for what cannot be done now.
+    /// 409 for something that is not possible now.
     pub fn conflict(code: Code, message: impl Into<String>) -> Self {
         Self::new(StatusCode::CONFLICT, code, message)
     }
 
-    /// 413: more than is read.
+    /// 413: the body is larger than the limit.
     pub fn too_large() -> Self {
         let message = "the request's body is too large";
         Self::new(StatusCode::PAYLOAD_TOO_LARGE, Code::TooLarge, message)
             .help("rpc.max_body of the daemon's configuration is the limit")
     }
 
-    /// 500: the service itself failed.
+    /// 500: an error of the service itself.
     pub fn internal(message: impl Into<String>) -> Self {
         Self::new(StatusCode::INTERNAL_SERVER_ERROR, Code::Internal, message)
     }
@@ -57,12 +57,12 @@ impl RpcError {
         self.status
     }
 
-    /// What happened, in one sentence.
+    /// The message, as one sentence.
     pub fn message(&self) -> &str {
         &self.reason.message
     }
 
-    /// A place in a value of the body, as `goal.x[2]`.
+    /// Sets the place to one in a value of the body, such as `goal.x[2]`.
     #[must_use]
     pub fn inside(self, path: &str) -> Self {
         let steps = path.split(['.', '[', ']']).filter(|step| !step.is_empty());
@@ -77,7 +77,7 @@ impl RpcError {
         self
     }
 
-    /// The way out, in one sentence.
+    /// What the user can do, as one sentence.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.reason.help = Some(help.into());

@@ -1,4 +1,4 @@
-//! What stands before all handlers, whatever they do.
+//! Checks that apply to every request, before the handlers.
 
 use std::sync::Arc;
 
@@ -14,12 +14,12 @@ use crate::error::RpcError;
 use crate::input;
 use crate::rights::Rights;
 
-/// Header by which old clients named another daemon, and sent it their token.
+/// Header by which old clients selected another daemon, and sent their token to it.
 const OLD_HEADER: &str = "genomd-daemon";
 
-/// Puts a door before a router: handlers see only requests of those who have the right that the
-/// table says, with their [`Holder`](crate::holder::Holder) as an extension, and with a body that is whole
-/// and of `max_body` bytes at most.
+/// Puts a door before a router. Handlers only receive requests whose senders have the right that
+/// the table requires, with the [`Holder`](crate::holder::Holder) as an extension, and with a
+/// complete body of at most `max_body` bytes.
 pub fn guard(router: Router, rights: Rights, door: Door, max_body: usize) -> Router {
     let guarded = door.asks_for_a_token();
     let gate = Arc::new(Gate { door, rights });
@@ -33,8 +33,8 @@ pub fn guard(router: Router, rights: Rights, door: Door, max_body: usize) -> Rou
         .layer(DefaultBodyLimit::max(max_body))
 }
 
-/// A page of some web site must not drive a robot through its visitor's loopback; our own page
-/// may, where tokens are asked for.
+/// Refuses requests from web pages, which must not control a robot through the loopback of their
+/// visitor. The service's own page is allowed where tokens are required.
 async fn refuse_browsers(State(guarded): State<bool>, request: Request, next: Next) -> Response {
     if request.headers().contains_key(header::ORIGIN) && !(guarded && own_page(request.headers())) {
         let message = "requests from web pages are not served";
@@ -50,7 +50,8 @@ fn own_page(headers: &HeaderMap) -> bool {
     origin.is_some_and(|(_, origin)| text(header::HOST) == Some(origin))
 }
 
-/// Refused before it is sent, when its length is said: the peer reads the answer then.
+/// Refuses a body that is too large before it is sent, if its length is given: the peer then reads
+/// the reply.
 async fn refuse_large(State(most): State<usize>, request: Request, next: Next) -> Response {
     let length = request.headers().get(header::CONTENT_LENGTH);
     let length = length.and_then(|length| length.to_str().ok()?.parse::<u64>().ok());
@@ -60,7 +61,7 @@ async fn refuse_large(State(most): State<usize>, request: Request, next: Next) -
     next.run(request).await
 }
 
-/// Refuses what was meant for another daemon: it must not be done by this one.
+/// Refuses requests that are meant for another daemon, so that this one does not execute them.
 async fn refuse_old(request: Request, next: Next) -> Response {
     if !request.headers().contains_key(OLD_HEADER) {
         return next.run(request).await;

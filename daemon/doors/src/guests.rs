@@ -1,10 +1,11 @@
-//! The connections of one listener, and the requests of each holder on them.
+//! Limits the connections of one listener, and the requests of each client on them.
 //!
 //! A listener serves a limited number of connections; further peers wait in the kernel's queue. At
-//! an address that anybody can reach, a connection on which no token was shown yet is a stranger's.
-//! When all places are taken, the oldest stranger is closed, unless it came less than [`MOMENT`]
-//! ago and its request may be on the way. So peers that connect and send nothing, or half a
-//! request, hold others up for that moment and not until their time-out.
+//! an address that anybody can reach, a connection counts as a stranger's until a request with a
+//! token arrives on it. When the limit is reached, the connection of the oldest stranger is closed,
+//! unless it is younger than [`MOMENT`], so that its request may still arrive. Peers that connect
+//! and send nothing, or an incomplete request, therefore delay others by that time only, not until
+//! their timeout.
 
 use std::collections::BTreeMap;
 use std::pin::Pin;
@@ -20,13 +21,13 @@ use tokio_util::sync::CancellationToken;
 use crate::holder::Holder;
 use crate::slots::{Full, Slot, Slots};
 
-/// A stranger that came less than this ago is not closed.
+/// A stranger's connection is not closed before this time.
 const MOMENT: Duration = Duration::from_secs(1);
 
-/// Who reaches a listener.
+/// Who can connect to a listener.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reach {
-    /// The owner of the socket: nobody is a stranger.
+    /// Only the owner of the socket: there are no strangers.
     Owner,
     /// Everybody.
     All,
@@ -37,18 +38,18 @@ pub(crate) enum Reach {
 pub(crate) struct Guests {
     most: usize,
     reach: Reach,
-    /// For requests under way, of each holder.
+    /// Slots for requests under way, by client.
     slots: Arc<Slots>,
     state: Mutex<State>,
-    /// A connection ended, or came.
+    /// Notified when a connection begins or ends.
     changed: Notify,
 }
 
 #[derive(Debug, Default)]
 struct State {
-    /// How many there are, without those that were asked to go.
+    /// Number of connections, without those that were asked to close.
     there: usize,
-    /// In the order they came.
+    /// In order of their arrival.
     strangers: BTreeMap<u64, Stranger>,
     next: u64,
 }
@@ -60,7 +61,8 @@ struct Stranger {
 }
 
 impl State {
-    /// How long until one more has room; none when a connection has to end first.
+    /// Time until a stranger may be closed in favour of another connection; `None` if a connection
+    /// has to end first.
     fn room_in(&self, most: usize) -> Option<Duration> {
         if self.there < most {
             return Some(Duration::ZERO);
@@ -70,34 +72,34 @@ impl State {
     }
 }
 
-/// A connection; clones are the same one.
+/// A connection; clones refer to the same one.
 #[derive(Clone, Debug)]
 pub(crate) struct Guest(Arc<Seat>);
 
 #[derive(Debug)]
 struct Seat {
     guests: Arc<Guests>,
-    /// Its place among the strangers, as long as it is one.
+    /// Its key among the strangers, as long as it is one.
     number: u64,
-    /// Cancelled when it has to go.
+    /// Cancelled to close the connection.
     leave: CancellationToken,
 }
 
-/// A request under way.
+/// A request under way; frees its slot when dropped.
 #[derive(Debug)]
 pub(crate) struct Busy {
     _slot: Slot,
 }
 
 impl Guests {
-    /// Room for so many connections, and for so many requests of one holder at a time.
+    /// Allows `most` connections, and `each` requests at once per client.
     pub(crate) fn new(most: usize, each: usize, reach: Reach) -> Arc<Self> {
         let slots = Slots::new(most, each);
         let (state, changed) = (Mutex::default(), Notify::new());
         Arc::new(Self { most, reach, slots, state, changed })
     }
 
-    /// Waits until one more can be let in.
+    /// Waits until another connection can be accepted.
     pub(crate) async fn room(&self) {
         loop {
             let changed = self.changed.notified();
@@ -112,7 +114,7 @@ impl Guests {
         }
     }
 
-    /// Lets one in; the oldest stranger goes if there is no room.
+    /// Adds a connection; if there is no room, asks the oldest stranger's to close.
     pub(crate) fn enter(self: &Arc<Self>) -> Guest {
         let leave = CancellationToken::new();
         let mut state = self.lock();
@@ -139,13 +141,13 @@ impl Guests {
 }
 
 impl Guest {
-    /// Cancelled when it has to go.
+    /// Cancelled to close the connection.
     pub(crate) fn leave(&self) -> &CancellationToken {
         &self.0.leave
     }
 
-    /// A request of a holder of rights, whose connection is no stranger's from now on; refused when
-    /// too many requests of that holder are under way.
+    /// Begins a request of an authenticated client; from now on the connection is not a stranger's.
+    /// Fails if too many requests of that client are under way.
     pub(crate) fn work(&self, holder: &Holder) -> Result<Busy, Full> {
         let seat = &self.0;
         seat.guests.lock().strangers.remove(&seat.number);
@@ -157,7 +159,7 @@ impl Drop for Seat {
     fn drop(&mut self) {
         let mut state = self.guests.lock();
         state.strangers.remove(&self.number);
-        // One that was asked to go was taken off the count then.
+        // A connection that was asked to close is not counted any more.
         if !self.leave.is_cancelled() {
             state.there -= 1;
         }
@@ -165,7 +167,7 @@ impl Drop for Seat {
     }
 }
 
-/// A body, and what is kept as long as it is sent.
+/// A body with a value that is kept until the body was sent.
 pub(crate) struct Held {
     body: Body,
     _busy: Option<Busy>,

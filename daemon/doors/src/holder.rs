@@ -1,4 +1,4 @@
-//! Who holds rights.
+//! Clients and their rights.
 
 use std::fmt;
 
@@ -8,30 +8,30 @@ use genom_protocol::{Code, Right};
 use crate::error::RpcError;
 use crate::slots::Share;
 
-/// Whoever sent a request.
+/// The sender of a request.
 #[derive(Clone, Debug)]
 pub struct Holder {
-    /// Who it is, for messages: never the token itself.
+    /// Its name for messages; never the token itself.
     pub who: String,
-    /// What it has a right to.
+    /// Its rights.
     pub rights: Vec<Right>,
-    /// Whose slots it takes for what it holds open.
+    /// The share of slots that it uses.
     pub share: Share,
 }
 
 impl Holder {
-    /// Whoever came by the Unix socket.
+    /// The client at the Unix socket.
     pub fn own() -> Self {
         let who = "the daemon's user".to_owned();
         Self { who, rights: vec![Right::Admin], share: Share::Own }
     }
 
-    /// Somebody else.
+    /// Any other client.
     pub fn of(who: String, rights: Vec<Right>) -> Self {
         Self { share: Share::Of(who.clone()), who, rights }
     }
 
-    /// Refuses what it has no right to; `what` is it, for the message.
+    /// Fails if the holder lacks the right; `what` describes the request in the message.
     ///
     /// # Errors
     /// The right is missing.

@@ -1,4 +1,4 @@
-//! What comes with a request: a JSON body, query parameters.
+//! Extractors of JSON bodies and query parameters.
 
 use std::time::Duration;
 
@@ -16,23 +16,23 @@ use tokio::time::timeout;
 
 use crate::error::RpcError;
 
-/// A peer that has not sent its body by then is given up.
+/// A peer must have sent its body within this time.
 const SLOWEST_WRITER: Duration = Duration::from_secs(10);
 
-/// Longest time one request is held, in seconds.
+/// Maximum of `wait`, in seconds.
 const LONGEST_WAIT: f64 = 3600.0;
 
-/// How long a request with `?wait=SECONDS` is held: an hour at most.
+/// The time that a request with `?wait=SECONDS` is held, at most an hour.
 ///
 /// # Errors
-/// It is no number of seconds.
+/// The value is not a number of seconds.
 pub fn wait(seconds: f64) -> Result<Duration, RpcError> {
     Duration::try_from_secs_f64(seconds.min(LONGEST_WAIT)).map_err(|_| {
         RpcError::bad_input(format!("wait: {seconds} is no number of seconds")).place("wait")
     })
 }
 
-/// A JSON body; an empty one is `{}`.
+/// A JSON body; an empty body means `{}`.
 #[derive(Debug)]
 pub struct Body<T>(pub T);
 
@@ -62,8 +62,8 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequestParts<S> for Parameters<T> 
     }
 }
 
-/// Reads the whole body before anything is done, also where none is needed: closing a connection
-/// with bytes that were not read resets it, and the peer may lose the answer.
+/// Reads the whole body before anything else, even if it is not needed: closing a connection with
+/// unread bytes resets it, and the peer may then lose the reply.
 pub(crate) async fn read_whole(request: Request, next: Next) -> Response {
     let (parts, content) = request.into_parts();
     let reading = Bytes::from_request(Request::from_parts(parts.clone(), content), &());
@@ -87,7 +87,7 @@ fn unreadable(rejection: BytesRejection) -> RpcError {
     }
 }
 
-/// 400 for text that is no JSON, 422 for JSON of another shape.
+/// 400 for text that is not JSON, 422 for JSON of another form.
 fn misshapen(error: &serde_json::Error) -> RpcError {
     if !error.is_data() {
         return RpcError::new(StatusCode::BAD_REQUEST, Code::Malformed, error.to_string());

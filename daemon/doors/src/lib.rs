@@ -1,26 +1,28 @@
-//! Doors before an HTTP service: who comes in, with which rights, and how much of it he may take.
+//! Access control and limits in front of an HTTP service: who may connect, with which rights, and
+//! how many resources each client may take.
 //!
-//! It takes any [`axum::Router`] with a table of the [`Rights`] that its routes ask for, puts a
-//! [`Door`] before it ([`guard`]), and serves it ([`serve`]). It knows no handler.
+//! The crate takes any [`axum::Router`] with a table of the [`Rights`] that its routes require,
+//! puts a [`Door`] before it ([`guard`]), and serves it ([`serve`]). It contains no handlers.
 //!
-//! | Door | What proves who comes | What it has a right to |
+//! | Door | How senders are authenticated | Their rights |
 //! |---|---|---|
-//! | [`Door::own`]: a Unix socket ([`Socket`]) | the system: mode 0600 in a directory that others cannot change | everything |
-//! | [`Door::guarded`]: TCP, beyond loopback by TLS ([`Listener::tcp`]) | a token ([`Tokens`]), or a client certificate that TLS has checked | what the token file says, what is said of certificates |
-//! | [`Door::proved`]: messages that others pass on ([`Desk`]) | a proof to hold a token, which is never sent; each message is sealed | what the token file says |
+//! | [`Door::own`]: a Unix socket ([`Socket`]) | by the system: mode 0600 in a directory that others cannot change | all |
+//! | [`Door::guarded`]: TCP, with TLS beyond loopback ([`Listener::tcp`]) | by a token ([`Tokens`]), or a client certificate that TLS has checked | those in the token file, or those of certificates |
+//! | [`Door::proved`]: relayed messages ([`Desk`]) | by a proof that they hold a token, which is never sent; each message is sealed | those in the token file |
 //!
-//! Limits, whoever it is:
+//! Limits for all clients:
 //!
-//! * Connections at each listener, and requests under way of one holder ([`Most`]). When all
-//!   places are taken, the oldest connection on which no token was shown for 1 s makes room.
-//! * 10 s for a TLS handshake, for the head of a request, and for its body; its size ([`guard`]).
-//! * 10 s without a byte taken end a connection, as they end a stream of events ([`Streams`]), of
-//!   which each holder has a limited number.
-//! * 10 s between two log lines of one kind, with a count of what was left out.
+//! * Connections of each listener, and requests under way of one holder ([`Most`]). When all
+//!   connections are in use, the oldest one that has not shown a token for 1 s is closed.
+//! * 10 s for a TLS handshake, for the head of a request, and for its body; the size of the body
+//!   ([`guard`]).
+//! * A peer that takes no byte for 10 s loses its connection or stream of events ([`Streams`]);
+//!   the number of streams per holder is limited.
+//! * 10 s between two log lines of one kind, with the number of those left out.
 //!
-//! A route without a row in the table is for administrators. Tokens are compared in constant time,
-//! and are in no log line and no message. What a process does with the descriptors that are opened
-//! here is its own affair ([`Keep`]).
+//! A route without a row in the table requires `admin`. Tokens are compared in constant time, and
+//! never appear in the log or in messages. A process can protect the descriptors that are opened
+//! here ([`Keep`]).
 //!
 //! ```
 //! use axum::{Router, routing::get};
@@ -38,7 +40,7 @@
 //! let entrance = Entrance { listener, router: guard(router, rights, Door::own(), 1 << 20) };
 //! let closed = CancellationToken::new();
 //! let serving = tokio::spawn(serve(vec![entrance], Most::default(), closed.clone()));
-//! drop(name); // The socket's name goes first: who waits for the end finds nothing left.
+//! drop(name); // Removed first: clients that wait for the end find no socket.
 //! closed.cancel();
 //! serving.await?;
 //! # std::fs::remove_dir_all(folder)?;

@@ -1,4 +1,4 @@
-//! Listeners: sockets that are made safely, and removed at the end.
+//! Listeners: sockets are created safely, and removed at the end.
 
 use std::fmt;
 use std::fs::{self, DirBuilder, File, Permissions};
@@ -13,48 +13,48 @@ use rustix::io::Errno;
 use tokio::net::{TcpListener, TcpStream, UnixListener, UnixStream};
 use tokio_rustls::TlsAcceptor;
 
-/// What is done with each descriptor that is opened here: a process that runs foreign code keeps
-/// it from that code. It may come back with another number. `Ok` does nothing.
+/// Applied to each descriptor opened here. A process that runs foreign code can protect descriptors
+/// from that code with it, and may return another number. `Ok` does nothing.
 pub type Keep = fn(OwnedFd) -> io::Result<OwnedFd>;
 
-/// A socket could not be opened.
+/// Why a socket could not be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum ListenError {
-    /// Another daemon serves this socket.
+    /// Another daemon listens on this socket.
     #[error(
         "a genomd already listens on {}: stop it with `genomctl kill`, or give this one \
          another --socket",
         .0.display()
     )]
     Live(PathBuf),
-    /// Something else bears the name.
+    /// There is a file of that name that is not a socket.
     #[error("{} exists and is no socket: give another --socket", .0.display())]
     NotSocket(PathBuf),
-    /// Somebody else could replace the socket.
+    /// Another user could replace the socket.
     #[error(
         "{} belongs to another user, or others may write there: give another --socket",
         .0.display()
     )]
     Foreign(PathBuf),
-    /// The system refused.
+    /// An error of the system.
     #[error("cannot listen on {}: {source}", path.display())]
     Unix {
-        /// The socket.
+        /// Path of the socket.
         path: PathBuf,
-        /// Why.
+        /// The error of the system.
         source: io::Error,
     },
-    /// The system refused.
+    /// An error of the system.
     #[error("cannot listen on {address}: {source}")]
     Tcp {
         /// The address.
         address: SocketAddr,
-        /// Why.
+        /// The error of the system.
         source: io::Error,
     },
 }
 
-/// Where peers come from.
+/// Where peers connect.
 #[derive(Debug)]
 pub struct Listener {
     pub(crate) kind: Kind,
@@ -75,33 +75,33 @@ impl fmt::Debug for Kind {
     }
 }
 
-/// A peer that was let in.
+/// The connection of a peer.
 pub(crate) enum Stream {
     Unix(UnixStream),
     Tcp(TcpStream, SocketAddr, Option<TlsAcceptor>),
 }
 
-/// A Unix socket for the owner of the process alone.
+/// A Unix socket that only the owner of the process can open.
 #[derive(Debug)]
 pub struct Socket {
     listener: Listener,
     name: SocketName,
 }
 
-/// The socket's name in the file system; it goes when this is dropped.
+/// The socket's file, removed when this is dropped.
 #[derive(Debug)]
 pub struct SocketName {
     path: PathBuf,
-    /// Held as long as the process lives: tells a live socket from a stale one.
+    /// Locked as long as the process lives; distinguishes its socket from a stale one.
     _lock: File,
 }
 
 impl Listener {
-    /// Listens on a TCP address, by TLS if there is an acceptor; the address as it is, for a port
-    /// that was left to the system.
+    /// Listens on a TCP address, with TLS if there is an acceptor. Also returns the actual address,
+    /// if the port is chosen by the system.
     ///
     /// # Errors
-    /// The system refused.
+    /// An error of the system.
     pub async fn tcp(
         address: SocketAddr,
         tls: Option<TlsAcceptor>,
@@ -115,7 +115,7 @@ impl Listener {
         Ok((Self { kind: Kind::Tcp(listener, tls), keep }, address))
     }
 
-    /// The next peer.
+    /// Waits for the next peer.
     pub(crate) async fn accept(&self) -> io::Result<Stream> {
         match &self.kind {
             Kind::Unix(listener) => {
@@ -132,11 +132,12 @@ impl Listener {
 }
 
 impl Socket {
-    /// Opens the socket with mode 0600. One that a dead process left is replaced.
+    /// Opens the socket with mode 0600. Replaces the socket of a process that does not live any
+    /// more.
     ///
     /// # Errors
-    /// A live process serves it, something else has its name, others could replace it, or the
-    /// system refused.
+    /// A running process listens on it, another kind of file has the name, other users could
+    /// replace it, or an error of the system.
     pub fn open(path: &Path, keep: Keep) -> Result<Self, ListenError> {
         let failed = |source| ListenError::Unix { path: path.to_owned(), source };
         prepare_directory(path)?;
@@ -147,8 +148,8 @@ impl Socket {
         {
             return Err(ListenError::NotSocket(path.to_owned()));
         }
-        // Made aside and renamed: it has its mode before anybody can connect, and replaces a
-        // stale one in one step.
+        // Created under another name and renamed: the socket has its mode before anybody can
+        // connect, and replaces a stale one atomically.
         let aside = with_suffix(path, &format!(".{}", std::process::id()));
         let listener = std::os::unix::net::UnixListener::bind(&aside).map_err(failed)?;
         fs::set_permissions(&aside, Permissions::from_mode(0o600))
@@ -163,7 +164,7 @@ impl Socket {
         Ok(Self { listener, name: SocketName { path: path.to_owned(), _lock: lock } })
     }
 
-    /// The listener, and the name apart: the name goes first.
+    /// Splits the listener from the file, which is removed earlier.
     #[must_use]
     pub fn split(self) -> (Listener, SocketName) {
         (self.listener, self.name)
@@ -180,7 +181,7 @@ impl Drop for SocketName {
     }
 }
 
-/// Makes the socket's directory, for this user alone.
+/// Creates the socket's directory, with access for this user only.
 fn prepare_directory(path: &Path) -> Result<(), ListenError> {
     let Some(directory) = path.parent().filter(|dir| !dir.as_os_str().is_empty()) else {
         return Ok(());
@@ -189,7 +190,7 @@ fn prepare_directory(path: &Path) -> Result<(), ListenError> {
     DirBuilder::new().recursive(true).mode(0o700).create(directory).map_err(failed)?;
     let found = fs::metadata(directory).map_err(failed)?;
     let ours = rustix::process::geteuid().as_raw();
-    // Its owner may replace what is in it, and so may others unless it is sticky, as /tmp is.
+    // Its owner can replace files in it, and so can others unless it is sticky, as /tmp is.
     let open = found.mode() & 0o002 != 0 && found.mode() & 0o1000 == 0;
     if open || found.uid() != ours && found.uid() != 0 {
         return Err(ListenError::Foreign(directory.to_owned()));
@@ -197,22 +198,22 @@ fn prepare_directory(path: &Path) -> Result<(), ListenError> {
     Ok(())
 }
 
-/// The lock, or `None` when a live process holds it.
+/// Takes the lock; `None` if a running process holds it.
 ///
-/// It belongs to the process (`fcntl`), not to the open file: a child that a codel forked has no
-/// part in it.
+/// The lock belongs to the process (`fcntl`), not to the open file, so that children forked by
+/// codels do not keep it.
 fn take_lock(path: &Path, keep: Keep) -> io::Result<Option<File>> {
     loop {
         let file =
             File::options().create(true).truncate(false).write(true).read(true).open(path)?;
-        // Before it is locked: the lock ends with the first descriptor of the file that is closed.
+        // Before locking: closing any descriptor of the file would release the lock.
         let file = File::from(keep(file.into())?);
         match fcntl_lock(&file, FlockOperation::NonBlockingLockExclusive) {
             Ok(()) => {}
             Err(Errno::AGAIN | Errno::ACCESS) => return Ok(None),
             Err(error) => return Err(error.into()),
         }
-        // A daemon that stops removes the file: what we locked must still be there.
+        // A daemon that stops removes the file: check that the locked file still has its name.
         let still = fs::metadata(path).is_ok_and(|now| {
             file.metadata().is_ok_and(|held| (held.dev(), held.ino()) == (now.dev(), now.ino()))
         });
@@ -251,7 +252,8 @@ mod tests {
     async fn a_stale_socket_is_replaced() {
         let scratch = tempfile::tempdir().unwrap();
         let path = scratch.path().join("genomd.sock");
-        // What a killed daemon leaves: a socket nobody serves, and a lock nobody holds.
+        // What a killed daemon leaves behind: a socket without listener, and a lock file without
+        // lock.
         drop(std::os::unix::net::UnixListener::bind(&path).unwrap());
         File::create(lock_path(&path)).unwrap();
         assert!(Socket::open(&path, Ok).is_ok());

@@ -1,16 +1,16 @@
-//! Files that hold secrets: read only if nobody else can.
+//! Reads files with secrets, only if nobody else can.
 
 use std::fs::File;
 use std::io::{self, Read as _};
 use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 
-/// Others could read a secret.
+/// Others can read the file.
 #[derive(Debug, thiserror::Error)]
 #[error("others may read {}, which holds a secret: `chmod 600 {}`", .0.display(), .0.display())]
 pub struct NotPrivate(PathBuf);
 
-/// A secret that was not read.
+/// Why a secret was not read.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum PrivateError {
     #[error(transparent)]
@@ -19,9 +19,9 @@ pub(crate) enum PrivateError {
     Open(#[from] NotPrivate),
 }
 
-/// The text of a file that its owner alone may read.
+/// Reads a file that only its owner may read.
 pub(crate) fn read(path: &Path) -> Result<String, PrivateError> {
-    // The file that is looked at is the one that is read, whatever its name leads to meanwhile.
+    // Checked on the open file, which is the one read, even if its name is changed meanwhile.
     let mut file = File::open(path)?;
     if file.metadata()?.mode() & 0o077 != 0 {
         return Err(NotPrivate(path.to_owned()).into());

@@ -1,29 +1,29 @@
-//! The rights that routes ask for.
+//! The rights that routes require.
 
 use std::collections::{BTreeMap, HashMap};
 
 use genom_protocol::Right;
 use genom_protocol::routes::Method;
 
-/// What each route asks for: a right, or nothing when anybody may have what it answers.
+/// The right that each route requires, or none if anybody may use it.
 #[derive(Clone, Debug, Default)]
 pub struct Rights(HashMap<&'static str, BTreeMap<&'static str, Option<Right>>>);
 
-/// What a request is to whoever guards the routes.
+/// What a request requires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wanted {
-    /// For anybody.
+    /// Nothing: anybody may make it.
     Open,
-    /// For those who have this right.
+    /// This right.
     Right(Right),
-    /// The path is there, and takes no such method.
+    /// The path exists, but does not support the method.
     NoSuchMethod,
-    /// There is no such path, which is told to those who come in.
+    /// There is no such path; only authenticated clients are told so.
     NoSuchPath,
 }
 
 impl Rights {
-    /// Of rows of method, path as the router has it, and right.
+    /// From rows of method, path in the router's form, and right.
     #[must_use]
     pub fn of(rows: impl IntoIterator<Item = (Method, &'static str, Option<Right>)>) -> Self {
         let mut rights = Self::default();
@@ -33,10 +33,10 @@ impl Rights {
         rights
     }
 
-    /// What a request to a route asks for; `path` is that of the route, if there is one.
+    /// What a request requires; `path` is that of the matching route, if there is one.
     pub(crate) fn wanted(&self, method: &str, path: Option<&str>) -> Wanted {
         let Some(path) = path else { return Wanted::NoSuchPath };
-        // A route that has no row at all is for administrators, not for everybody.
+        // A route without a row is restricted to `admin`.
         let Some(methods) = self.0.get(path) else { return Wanted::Right(Right::Admin) };
         match methods.get(method) {
             Some(None) => Wanted::Open,
@@ -45,7 +45,7 @@ impl Rights {
         }
     }
 
-    /// The methods of a path, as HTTP lists them.
+    /// The methods of a path, as HTTP lists them (`Allow`).
     pub(crate) fn allowed(&self, path: &str) -> String {
         let methods = self.0.get(path).into_iter().flat_map(BTreeMap::keys).copied();
         let methods: Vec<_> = methods

@@ -1,29 +1,29 @@
-//! Log lines that a peer could cause without end: each is told at once, then again when some time
-//! is over, with how often it came meanwhile.
+//! Limits log lines that peers can cause at will: the first is logged at once, then one per
+//! interval with the number of those left out.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Between two lines of one kind.
+/// Interval between two lines of one kind.
 const EVERY: Duration = Duration::from_secs(10);
 
-/// Kinds that are told apart; then the rest counts as one.
+/// Maximum number of kinds; beyond that, further kinds are counted as one.
 const KINDS: usize = 256;
 
-/// What was told, and when.
+/// What was logged, and when.
 #[derive(Debug, Default)]
 pub(crate) struct Seldom(Mutex<HashMap<String, Told>>);
 
 #[derive(Debug)]
 struct Told {
     when: Instant,
-    /// How often it came since, and was not told.
+    /// Number of lines left out since.
     hidden: u64,
 }
 
 impl Seldom {
-    /// Tells, unless it was told a moment ago; `line` gets what is to be added to it.
+    /// Logs a line, unless one of this kind was logged recently; `line` receives a text to append.
     pub(crate) fn tell(&self, kind: String, line: impl FnOnce(&str)) {
         if let Some(hidden) = self.due(kind, Instant::now()) {
             let more = if hidden == 0 { String::new() } else { format!(" ({hidden} more before)") };
@@ -31,7 +31,7 @@ impl Seldom {
         }
     }
 
-    /// Whether to tell, and what was not told before.
+    /// Whether to log, and the number of lines left out before.
     fn due(&self, mut kind: String, now: Instant) -> Option<u64> {
         let mut told = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if told.len() >= KINDS && !told.contains_key(&kind) {

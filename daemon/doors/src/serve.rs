@@ -1,4 +1,4 @@
-//! Serves connections of the listeners: limits, time-outs, and an orderly end.
+//! Serves connections of the listeners: limits, timeouts, and an orderly end.
 
 use std::io;
 use std::net::SocketAddr;
@@ -21,27 +21,27 @@ use crate::guests::{Guest, Guests, Reach};
 use crate::listen::{Kind, Listener, Stream};
 use crate::stall::Unstalled;
 
-/// A peer that sends half a request head, or half a handshake, is given up after this.
+/// Timeout for the head of a request, and for the TLS handshake.
 const HEAD_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// How long replies under way may take once the service has ended.
+/// How long replies under way may take after the service ended.
 const LAST_REPLIES: Duration = Duration::from_secs(2);
 
-/// A listener, and what it serves.
+/// A listener, and the service behind it.
 #[derive(Debug)]
 pub struct Entrance {
-    /// Where peers come from.
+    /// Where peers connect.
     pub listener: Listener,
-    /// What they get, behind its door ([`guard`](crate::guard::guard)).
+    /// The service, behind its door ([`guard`](crate::guard::guard)).
     pub router: Router,
 }
 
-/// How much there may be at a time, at each listener.
+/// Limits of each listener.
 #[derive(Clone, Copy, Debug)]
 pub struct Most {
     /// Connections; further peers wait in the kernel's queue.
     pub connections: usize,
-    /// Requests under way of one token; more are refused.
+    /// Requests under way with one token; further ones are refused.
     pub per_token: usize,
 }
 
@@ -51,7 +51,7 @@ impl Default for Most {
     }
 }
 
-/// Serves until `closed` is cancelled, then lets the replies under way finish: 2 s at most.
+/// Serves until `closed` is cancelled, then finishes the replies under way, within 2 s.
 pub async fn serve(entrances: Vec<Entrance>, most: Most, closed: CancellationToken) {
     let serving = entrances
         .into_iter()
@@ -68,11 +68,11 @@ async fn serve_one(entrance: Entrance, most: Most, closed: CancellationToken) {
         Kind::Unix(_) => Reach::Owner,
         Kind::Tcp(..) => Reach::All,
     };
-    // Each listener has its own: who fills one does not lock out the other.
+    // Limits are per listener: exhausting one does not affect the others.
     let guests = Guests::new(most.connections, most.per_token, reach);
     let mut connections = JoinSet::new();
     loop {
-        // No room, no accept: further peers wait in the kernel's queue.
+        // Without room there is no `accept`: further peers wait in the kernel's queue.
         tokio::select! {
             () = guests.room() => {}
             () = closed.cancelled() => break,
@@ -99,11 +99,11 @@ async fn serve_one(entrance: Entrance, most: Most, closed: CancellationToken) {
         while connections.try_join_next().is_some() {}
     }
     let all = async { while connections.join_next().await.is_some() {} };
-    // A peer that does not read its reply must not keep the daemon alive.
+    // A peer that does not read its reply must not keep the daemon running.
     let _ = timeout(LAST_REPLIES, all).await;
 }
 
-/// The process has probably no descriptors left: trying again at once would keep a processor.
+/// The process has probably run out of descriptors: trying again at once would occupy a processor.
 async fn pause_after(error: &io::Error) {
     tracing::warn!("a connection could not be accepted: {error}");
     tokio::time::sleep(Duration::from_millis(100)).await;
@@ -153,7 +153,7 @@ async fn talk<S>(
         }
     };
     if let Err(error) = ended {
-        // Peers may send nonsense, or go away in the middle: no fault of the daemon.
+        // Peers may send invalid data or disconnect at any time: not a failure of the daemon.
         tracing::debug!("a connection ended early: {error}");
     }
 }

@@ -1,39 +1,39 @@
-//! Slots for what is held open, such as streams: each holder has a share of them, and the
-//! owner of the process has his own, which nobody else can fill.
+//! Slots for what clients hold open, such as streams. Each client has a share, and the owner of the
+//! process has slots that nobody else can use.
 
 use std::collections::HashMap;
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Who takes slots.
+/// Who takes a slot.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Share {
-    /// Whoever comes by the Unix socket.
+    /// The client at the Unix socket.
     Own,
-    /// Whoever has this token, or a certificate.
+    /// The clients with this token or certificate.
     Of(String),
 }
 
-/// A number of slots for the owner of the process, and as many for all others together.
+/// A number of slots for the owner of the process, and the same number for all others together.
 #[derive(Debug)]
 pub struct Slots {
-    /// For the owner of the process; and for all others together.
+    /// Slots for the owner of the process, and for all others together.
     most: usize,
-    /// For each of the others.
+    /// Slots for each of the others.
     each: usize,
     taken: Mutex<HashMap<Share, usize>>,
 }
 
-/// No slot is left.
+/// No slot is free.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Full {
-    /// All are taken: so many.
+    /// All `.0` slots are taken.
     All(usize),
-    /// This holder has taken its share: so many.
+    /// This client has taken its share of `.0` slots.
     Share(usize),
 }
 
-/// A limit that is reached, as it is told: `64`, or `16 of this token`.
+/// The limit that was reached, for messages: `64`, or `16 of this token`.
 impl fmt::Display for Full {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -43,7 +43,7 @@ impl fmt::Display for Full {
     }
 }
 
-/// A slot; free again when it is dropped.
+/// A slot; freed when dropped.
 #[derive(Debug)]
 pub struct Slot {
     of: Share,
@@ -51,7 +51,8 @@ pub struct Slot {
 }
 
 impl Slots {
-    /// So many for the owner, as many for all others together, of which each has `each` at most.
+    /// `most` slots for the owner and as many for all others together, of which each can have
+    /// `each`.
     pub fn new(most: usize, each: usize) -> Arc<Self> {
         Arc::new(Self { most, each, taken: Mutex::default() })
     }
@@ -59,7 +60,7 @@ impl Slots {
     /// Takes a slot.
     ///
     /// # Errors
-    /// None is left, or none of this holder's share.
+    /// No slot is free, or the holder has taken its share.
     pub fn take(self: &Arc<Self>, of: Share) -> Result<Slot, Full> {
         let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
         let own = taken.get(&of).copied().unwrap_or_default();
@@ -104,7 +105,7 @@ mod tests {
         assert_eq!(slots.take(of("a")).unwrap_err(), Full::Share(2));
         let other = slots.take(of("b")).unwrap();
         assert_eq!(slots.take(of("b")).unwrap_err(), Full::All(3));
-        // The owner has all of his.
+        // The owner still has all of its slots.
         let own: Vec<_> = (0..3).map(|_| slots.take(Share::Own).unwrap()).collect();
         assert_eq!(slots.take(Share::Own).unwrap_err(), Full::All(3));
         drop((held, other));

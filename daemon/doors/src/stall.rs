@@ -1,5 +1,5 @@
-//! A connection that fails when its peer reads nothing for [`PATIENCE`]: otherwise a peer that never
-//! reads its reply would hold the connection for ever.
+//! A connection that fails if its peer reads nothing for [`PATIENCE`], so that a peer cannot keep
+//! it open by not reading.
 
 use std::io::{self, IoSlice};
 use std::pin::Pin;
@@ -12,13 +12,13 @@ use tokio::time::{Instant, Sleep, sleep};
 /// How long a peer may read nothing.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Fails writes of which nothing is taken for [`PATIENCE`].
+/// Fails a write of which nothing is taken for [`PATIENCE`].
 #[derive(Debug)]
 pub(crate) struct Unstalled<S> {
     inner: S,
     patience: Duration,
     alarm: Pin<Box<Sleep>>,
-    /// Whether the last write waits for the peer; the alarm counts only then.
+    /// Whether the last write waits for the peer; the timer runs only then.
     waits: bool,
 }
 

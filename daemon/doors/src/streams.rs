@@ -1,4 +1,4 @@
-//! Server-sent events: a limited number of streams, closed when the service ends.
+//! Server-sent events: a limited number of streams, which end when the service ends.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -15,17 +15,17 @@ use crate::error::RpcError;
 use crate::holder::Holder;
 use crate::slots::{Full, Slot, Slots};
 
-/// A stream of events, as a handler answers it.
+/// A stream of events, as the response of a handler.
 pub type Events = Sse<KeepAliveStream<ReceiverStream<Result<Event, Infallible>>>>;
 
-/// How long a reader may take nothing before its stream ends.
+/// How long a reader may read nothing before its stream ends.
 const SLOWEST_READER: Duration = Duration::from_secs(10);
 
-/// How often a stream without events sends a comment: a reader that gets nothing for longer knows
-/// that the service is gone or hangs.
+/// Interval at which a stream without events sends a comment. A reader that receives nothing for
+/// longer knows that the service is gone or hangs.
 const SIGN_OF_LIFE: Duration = Duration::from_secs(5);
 
-/// The number that a reader who comes back heard last (`Last-Event-ID`).
+/// The number of the last event that a reconnecting reader received (`Last-Event-ID`).
 pub fn last_heard(headers: &HeaderMap) -> Option<u64> {
     headers.get("last-event-id")?.to_str().ok()?.parse().ok()
 }
@@ -35,7 +35,7 @@ pub fn last_heard(headers: &HeaderMap) -> Option<u64> {
 pub struct Writer(mpsc::Sender<Result<Event, Infallible>>);
 
 impl Writer {
-    /// Sends an event; `false` when the reader is gone or does not read.
+    /// Sends an event; `false` if the reader is gone or does not read.
     pub async fn send(&self, event: Event) -> bool {
         self.0.send_timeout(Ok(event), SLOWEST_READER).await.is_ok()
     }
@@ -46,7 +46,7 @@ impl Writer {
     }
 }
 
-/// The streams of a service; clones are the same ones.
+/// The streams of a service; clones share the limits.
 #[derive(Clone, Debug)]
 pub struct Streams {
     slots: Arc<Slots>,
@@ -54,17 +54,17 @@ pub struct Streams {
 }
 
 impl Streams {
-    /// So many at a time: of the owner, and of all others together, of whom each has `each` at
-    /// most. All end when `closed` is cancelled.
+    /// Allows `most` streams of the owner, and as many of all others together, of which each can
+    /// have `each`. All streams end when `closed` is cancelled.
     #[must_use]
     pub fn new(most: usize, each: usize, closed: CancellationToken) -> Self {
         Self { slots: Slots::new(most, each), closed }
     }
 
-    /// Takes one of the slots for open streams.
+    /// Takes a slot for a stream.
     ///
     /// # Errors
-    /// Too many are open.
+    /// Too many streams are open.
     pub fn slot(&self, holder: &Holder) -> Result<Slot, RpcError> {
         self.slots.take(holder.share.clone()).map_err(|full| {
             let (open, key) = match full {
@@ -82,7 +82,7 @@ impl Streams {
     /// Opens a stream that `feed` writes, until it returns or the service ends.
     ///
     /// # Errors
-    /// Too many are open.
+    /// Too many streams are open.
     pub fn open<F, R>(&self, holder: &Holder, feed: F) -> Result<Events, RpcError>
     where
         F: FnOnce(Writer) -> R,
@@ -101,7 +101,7 @@ impl Streams {
     }
 }
 
-/// Feeds a stream until the service ends. Events that are there by then are still sent.
+/// Feeds a stream until the service ends. Events that are queued by then are still sent.
 async fn feed_until<T>(
     closed: CancellationToken,
     feeding: impl Future<Output = ()>,
@@ -113,7 +113,7 @@ async fn feed_until<T>(
         () = closed.cancelled() => {}
     }
     loop {
-        // Sends what is there, as far as there is room.
+        // Sends available events, as far as there is room.
         tokio::select! {
             biased;
             () = feeding.as_mut() => return,
@@ -122,8 +122,8 @@ async fn feed_until<T>(
         if sent.capacity() == sent.max_capacity() {
             return;
         }
-        // Until the reader has taken all of it, or is gone: the end of the service waits for its
-        // connections for a limited time only.
+        // Waits until the reader has taken everything or is gone; at the end of the service,
+        // connections have a limited time for this.
         tokio::select! {
             () = feeding.as_mut() => return,
             () = sent.closed() => return,
@@ -136,8 +136,7 @@ async fn feed_until<T>(
 mod tests {
     use super::*;
 
-    /// What a reader gets of a stream that has twenty numbers to say when the service has ended,
-    /// and then nothing.
+    /// What a reader receives of a stream that has twenty numbers queued when the service ends.
     #[tokio::test]
     async fn what_was_told_before_the_end_is_heard() {
         let (sender, mut receiver) = mpsc::channel(8);

@@ -1,4 +1,4 @@
-//! TLS of a TCP listener: the certificate of the service, and those of clients if they are asked for.
+//! TLS of a TCP listener: the certificate of the service, and checks of clients' certificates.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,31 +12,31 @@ use tokio_rustls::rustls::{self, RootCertStore, ServerConfig};
 
 use crate::private::{self, PrivateError};
 
-/// Certificates or keys that cannot be used.
+/// Why certificates or keys cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum TlsError {
-    /// A file that is not there, or is no PEM file of what it should hold.
+    /// A file is missing, or is not a PEM file with the expected content.
     #[error("{}: no usable {what}: {source}", path.display())]
     File {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What it should hold.
+        /// The expected content.
         what: &'static str,
-        /// What is wrong with it.
+        /// The error.
         source: pem::Error,
     },
-    /// Others could read the key.
+    /// Others can read the key.
     #[error(transparent)]
     Open(#[from] private::NotPrivate),
-    /// The files do not fit together.
+    /// Certificate and key do not match.
     #[error("the certificate and key of rpc.tls cannot be used: {0}")]
     Unfit(#[from] rustls::Error),
-    /// The clients' roots are none.
+    /// The root certificates for clients are not valid.
     #[error("{}: no roots of client certificates: {source}", path.display())]
     Roots {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The error.
         source: VerifierBuilderError,
     },
 }
@@ -51,22 +51,23 @@ fn certificates(path: &Path) -> Result<Vec<CertificateDer<'static>>, TlsError> {
     if all.is_empty() { Err(failed(pem::Error::NoItemsFound)) } else { Ok(all) }
 }
 
-/// Files of a TLS listener, in PEM.
+/// PEM files of a TLS listener.
 #[derive(Clone, Copy, Debug)]
 pub struct Certificates<'a> {
-    /// The certificate of the service, and those between it and its root.
+    /// The certificate chain of the service, its own certificate first.
     pub cert: &'a Path,
-    /// Its key, which nobody else may read.
+    /// Its private key, which nobody else may read.
     pub key: &'a Path,
-    /// Roots of clients' certificates: with them nobody comes in without one.
+    /// Root certificates that clients' certificates are checked against. If set, clients without a
+    /// certificate are refused.
     pub client_ca: Option<&'a Path>,
 }
 
-/// What answers TLS handshakes.
+/// Creates the acceptor of TLS connections.
 ///
 /// # Errors
-/// A file is missing, holds something else, or could be read by others; or they do not fit
-/// together.
+/// A file is missing, has other content, or can be read by others; or certificate and key do not
+/// match.
 pub fn acceptor(files: Certificates<'_>) -> Result<TlsAcceptor, TlsError> {
     let certificates_of_ours = certificates(files.cert)?;
     let unusable =

@@ -1,4 +1,4 @@
-//! The token file: who may come in by other doors than the Unix socket, and what for.
+//! The token file: clients that do not use the Unix socket, and their rights.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -11,60 +11,60 @@ use subtle::{Choice, ConstantTimeEq as _};
 use crate::holder::Holder;
 use crate::private;
 
-/// A shorter token could be guessed.
+/// Minimum length of a token, in characters; a shorter one could be guessed.
 const SHORTEST: usize = 32;
 
-/// The tokens that are known here; their file can be read again while they are in use.
+/// The known tokens; their file can be read again while they are in use.
 #[derive(Debug, Default)]
 pub struct Tokens {
     path: Option<PathBuf>,
     known: RwLock<Vec<Entry>>,
-    /// How often the file was read again.
+    /// Number of times the file was read again.
     generation: AtomicU64,
 }
 
-/// A token, and what is made of it to be proved with.
+/// A token, and the keys derived from it.
 #[derive(Debug)]
 struct Entry {
     token: TokenEntry,
     key: genom_proof::Token,
 }
 
-/// A token that somebody proved to hold.
+/// A token whose possession was proved.
 #[derive(Debug)]
 pub(crate) struct Known {
     pub(crate) key: genom_proof::Token,
     pub(crate) holder: Holder,
 }
 
-/// A token file cannot be used.
+/// Why a token file cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum TokenError {
-    /// Missing or unreadable.
+    /// The file is missing or cannot be read.
     #[error(
         "the token file {} cannot be read: {source}; `genomctl token NAME --into {}` begins one",
         path.display(), path.display()
     )]
     Read {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// The error of the system.
         source: std::io::Error,
     },
-    /// Others could read the tokens.
+    /// Others can read the file.
     #[error(transparent)]
     Open(#[from] private::NotPrivate),
-    /// There is none to read again.
+    /// The daemon was started without a token file.
     #[error("this daemon has no token file: start it with `--token-file FILE`")]
     None,
-    /// A mistake in it. The text itself is never shown.
+    /// A mistake in the file, whose text is never shown.
     #[error("{}:{line}: {message}", path.display())]
     Mistake {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Where in it, from 1.
+        /// Line of the mistake, from 1.
         line: usize,
-        /// What is wrong there.
+        /// What is wrong.
         message: String,
     },
 }
@@ -75,20 +75,20 @@ impl Tokens {
         self.path.is_some()
     }
 
-    /// Reads a file of tokens, which nobody else may read; without one there are none.
+    /// Reads a token file, which nobody else may read; without a path there are no tokens.
     ///
     /// # Errors
-    /// It is missing, others may read it, or it has a mistake.
+    /// The file is missing, can be read by others, or has a mistake.
     pub fn read(path: Option<&Path>) -> Result<Arc<Self>, TokenError> {
         let known = path.map(entries).transpose()?.unwrap_or_default();
         let path = path.map(Path::to_owned);
         Ok(Arc::new(Self { path, known: RwLock::new(known), generation: AtomicU64::new(0) }))
     }
 
-    /// Reads the file again; how many tokens it holds. One with a mistake changes nothing.
+    /// Reads the file again; returns the number of tokens. If it has a mistake, nothing changes.
     ///
     /// # Errors
-    /// As [`Tokens::read`]; or there is no file.
+    /// As for [`Tokens::read`], or there is no file.
     pub fn read_again(&self) -> Result<usize, TokenError> {
         let read = entries(self.path.as_deref().ok_or(TokenError::None)?)?;
         let count = read.len();
@@ -98,12 +98,12 @@ impl Tokens {
         Ok(count)
     }
 
-    /// How often the file was read again.
+    /// Number of times the file was read again.
     pub(crate) fn generation(&self) -> u64 {
         self.generation.load(Ordering::Acquire)
     }
 
-    /// Whose token it is. Takes the same time whichever it is, and if it is none.
+    /// The holder of a token. Takes the same time for every token, known or not.
     pub(crate) fn holder(&self, given: &[u8]) -> Option<Holder> {
         let known = self.known.read().unwrap_or_else(PoisonError::into_inner);
         let mut found = None;
@@ -116,12 +116,12 @@ impl Tokens {
         found.map(|entry| holder(&entry.token))
     }
 
-    /// The token that gives this hint.
+    /// The token with this hint.
     pub(crate) fn hinted(&self, nonce: &[u8; NONCE], hint: &Bytes<HINT>) -> Option<Known> {
         self.find(|key| key.hint(nonce) == *hint)
     }
 
-    /// The token of this key, if it is still known.
+    /// The token with this key, if it is still known.
     pub(crate) fn same(&self, key: &genom_proof::Token) -> Option<Known> {
         let nonce = [0; NONCE];
         let hint = key.hint(&nonce);
@@ -134,7 +134,7 @@ impl Tokens {
         Some(Known { key: entry.key.clone(), holder: holder(&entry.token) })
     }
 
-    /// One token, for tests.
+    /// A single token, for tests.
     #[cfg(test)]
     pub(crate) fn of(name: &str, text: &str) -> Arc<Self> {
         let text =

@@ -1,4 +1,4 @@
-//! The program of `examples/two_routes.rs`: a router that knows nothing of doors, behind one.
+//! Runs `examples/two_routes.rs`: a router without checks of its own, behind a door.
 
 #![allow(clippy::unwrap_used, reason = "helpers fail tests")]
 
@@ -18,7 +18,7 @@ mod two_routes;
 
 const WATCHDOG: Duration = Duration::from_secs(60);
 
-/// A file with one token for each of these rights, which is its name too.
+/// A file with one token for each of these rights, named after it.
 fn tokens(at: &Path, rights: &[&str]) {
     let entry = |right: &&str| {
         format!("[[token]]\nname = \"{right}\"\ntoken = \"{right:-<32}\"\nrights = [\"{right}\"]\n")
@@ -27,7 +27,7 @@ fn tokens(at: &Path, rights: &[&str]) {
     std::fs::set_permissions(at, std::fs::Permissions::from_mode(0o600)).unwrap();
 }
 
-/// The whole reply to a request with the token of this right.
+/// The complete reply to a request with the token for this right.
 async fn asked(address: SocketAddr, line: &str, right: Option<&str>) -> String {
     let mut stream = TcpStream::connect(address).await.unwrap();
     let token = right.map(|right| format!("Authorization: Bearer {right:-<32}\r\n"));

@@ -1,4 +1,4 @@
-//! The announcements that make this daemon visible to others on middlewares.
+//! Announcements that make this daemon visible on middlewares.
 
 use std::io;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -7,14 +7,13 @@ use genom_doors::Desk;
 use genom_middleware::{AnnounceError, Middleware, Relay};
 use tokio::runtime::Handle;
 
-/// Announcements, each under a name. A middleware withdraws one when its value is dropped.
+/// Announcements, each with a name. Dropping the value withdraws the announcement.
 #[derive(Default)]
 pub(crate) struct Announcements(Mutex<Vec<(String, Box<dyn Send + Sync>)>>);
 
 impl Announcements {
-    /// Shows this daemon on a middleware that passes requests on, under the first of these names
-    /// that no other daemon has there. Messages to it go to the desk that `open` makes for the
-    /// name.
+    /// Announces this daemon on a middleware that relays requests, under the first of these names
+    /// that no other daemon uses there. `open` creates the desk that handles messages to that name.
     pub(crate) fn announce(
         &self,
         names: &[String],
@@ -40,7 +39,7 @@ impl Announcements {
                     }
                     return self.keep(name.clone(), announcement);
                 }
-                // Another daemon has that name: the next one is this daemon's alone.
+                // Another daemon has that name: try the next one, which no other daemon uses.
                 Err(error @ AnnounceError::Taken { .. }) => refused = Some(error),
                 Err(error) => return tracing::warn!("{error}"),
             }
@@ -54,20 +53,21 @@ impl Announcements {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push((name, announcement));
     }
 
-    /// The name that others see; none while nothing is announced.
+    /// The name under which others see the daemon; `None` if it is not announced.
     pub(crate) fn name(&self) -> Option<String> {
         let all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         all.first().map(|(name, _)| name.clone())
     }
 
-    /// Withdraws all of them.
+    /// Withdraws all announcements.
     pub(crate) fn withdraw(&self) {
         let all = std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner));
         drop(all);
     }
 }
 
-/// What this daemon may be called, the best first: as it was started, else by its machine.
+/// Possible names of this daemon, the preferred one first: the one it was started with, else one
+/// derived from the machine's.
 pub(crate) fn names(given: Option<&str>) -> Vec<String> {
     let host = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
     let name = given.unwrap_or_else(|| host.trim());

@@ -1,4 +1,4 @@
-//! The parts of the daemon: a supervisor of components, and what the control plane before it keeps.
+//! The parts of the daemon: a supervisor of components, and the state of the control plane.
 
 use std::sync::Arc;
 
@@ -11,26 +11,26 @@ use crate::announcements::Announcements;
 use crate::settings::Settings;
 use crate::startup::Startup;
 
-/// Questions to other daemons under way at a time, each of which holds a thread.
+/// Maximum number of questions to other daemons under way; each may occupy a thread.
 const QUESTIONS: usize = 64;
 
 /// The daemon: a supervisor with a control plane.
 pub(crate) struct Daemon {
-    /// Whatever has to do with components.
+    /// Everything that concerns components.
     pub(crate) supervisor: Arc<Supervisor>,
-    /// Which daemon of a file that describes several this one is.
+    /// Name of this daemon in files that describe several.
     pub(crate) name: Option<String>,
-    /// Where the control plane listens, and its limits.
+    /// Addresses and limits of the control plane.
     pub(crate) rpc: RpcSettings,
-    /// What others see of this daemon.
+    /// Announcements that make this daemon visible to others.
     pub(crate) announcements: Announcements,
-    /// How far it is with what it was started with.
+    /// Progress of loading what the daemon was started with.
     pub(crate) startup: Arc<Startup>,
     /// Open streams.
     pub(crate) streams: Streams,
-    /// Slots for questions to other daemons under way.
+    /// Slots for questions to other daemons.
     pub(crate) questions: Arc<Slots>,
-    /// Cancelled when everything stopped: the control plane ends.
+    /// Cancelled when everything has stopped, to end the control plane.
     pub(crate) closed: CancellationToken,
 }
 

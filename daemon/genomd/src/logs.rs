@@ -1,4 +1,4 @@
-//! Logs: on standard error, and the last ones for supervisors.
+//! The log: written to standard error, and the latest entries kept for supervisors.
 
 use std::fmt::Write as _;
 use std::io::IsTerminal as _;
@@ -18,7 +18,7 @@ use tracing_subscriber::{EnvFilter, Layer};
 
 use crate::telemetry;
 
-/// The crates that a filter calls `genomd`: users see one program.
+/// The crates that a filter for `genomd` includes: to users they are one program.
 const PARTS: [&str; 6] = [
     "genomd",
     "genom_doors",
@@ -28,18 +28,18 @@ const PARTS: [&str; 6] = [
     "genom_configuration",
 ];
 
-/// What was logged: one process has one log.
+/// The latest entries. There is one log per process.
 static PAST: LazyLock<Numbers> = LazyLock::new(|| Numbers::new(Dates::default()));
 
-/// The last entries, and those to come.
+/// The latest entries, to which listeners can subscribe.
 pub(crate) fn past() -> &'static Numbers {
     &PAST
 }
 
-/// The DDS library tells of each packet it cannot send yet, also as errors: what fails is told
-/// by those who use it. zenoh warns of what is meant to be so: sessions that connect by Unix sockets
-/// without a name, and no gossip between them. A filter that names them says otherwise. Spans of
-/// services are for a collector.
+/// Levels of libraries that log too much. RustDDS logs each packet that it cannot send yet, also as
+/// errors; actual failures are reported by those who use it. zenoh warns about intended settings:
+/// Unix sockets without a name, and no gossip between them. A filter that names these modules
+/// overrides this. Spans of services go to a collector only.
 const QUIET: &str = "rustdds=off,zenoh_link_unixsock_stream=error,\
                      zenoh::net::routing::hat::peer=error,genom::service=off";
 
@@ -61,7 +61,7 @@ pub(crate) fn start(filter: &str, spans: bool) -> Result<(), LogsError> {
     };
     let ours = filter_fn(telemetry::is_ours).with_max_level_hint(LevelFilter::INFO);
     let terminal = tracing_subscriber::fmt::layer()
-        // Whatever codels do to descriptor 2: a client may have got it.
+        // Codels may have redirected descriptor 2, or a client's connection may have it.
         .with_writer(StandardError::get)
         .with_ansi(std::io::stderr().is_terminal())
         .with_target(false);
@@ -73,10 +73,10 @@ pub(crate) fn start(filter: &str, spans: bool) -> Result<(), LogsError> {
     Ok(())
 }
 
-/// A filter in which what is said of `genomd` is said of all its crates.
+/// Extends what a filter says about `genomd` to all of its crates.
 fn of_all_parts(filter: &str) -> String {
     let words = filter.split(',').flat_map(|word| match word.trim().strip_prefix("genomd") {
-        // Of a span or a field, whose brackets may hold commas, only what is written.
+        // A part with brackets (a span or field, which may contain commas) is left unchanged.
         Some(rest) if rest.starts_with(['=', ':']) || rest.is_empty() => {
             PARTS.iter().map(|part| format!("{part}{rest}")).collect()
         }
@@ -85,7 +85,7 @@ fn of_all_parts(filter: &str) -> String {
     words.collect::<Vec<_>>().join(",")
 }
 
-/// Keeps what passes the filter.
+/// A layer that keeps the entries that pass the filter.
 struct Keep;
 
 impl<S: Subscriber> Layer<S> for Keep {
@@ -108,7 +108,7 @@ fn now() -> f64 {
     SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs_f64()
 }
 
-/// Stands for entries that a reader did not get.
+/// An entry that stands for those a reader missed.
 pub(crate) fn missed(count: u64) -> LogEntry {
     let message = format!("{count} entries before this one are not kept any more");
     let (level, origin) = (Grade::Warn, "genomd".to_owned());
@@ -125,7 +125,7 @@ fn grade(level: Level) -> Grade {
     }
 }
 
-/// The fields of an event: the message, the component it is about, and the rest as `key=value`.
+/// The fields of an event: the message, the component it is about, and the others as `key=value`.
 #[derive(Default)]
 struct Words {
     message: String,
@@ -144,7 +144,7 @@ impl Visit for Words {
     fn record_debug(&mut self, field: &Field, value: &dyn std::fmt::Debug) {
         let _ = match field.name() {
             "message" => write!(self.message, "{value:?}"),
-            // Written with %.
+            // Logged with `%`.
             "instance" => {
                 self.component = Some(format!("{value:?}"));
                 Ok(())

@@ -29,7 +29,7 @@ use crate::signals::Signals;
 use crate::startup::Startup;
 use crate::telemetry;
 
-/// Why the daemon did not run, with its exit status.
+/// Why the daemon failed, with its exit status.
 #[derive(Debug)]
 pub(crate) struct Refusal {
     message: String,
@@ -37,29 +37,29 @@ pub(crate) struct Refusal {
 }
 
 impl Refusal {
-    /// 1: a component was refused.
+    /// Status 1: a component was refused.
     pub(crate) fn component(error: impl std::fmt::Display) -> Self {
         Self { message: error.to_string(), status: 1 }
     }
 
-    /// 2: wrong usage or configuration.
+    /// Status 2: wrong usage or configuration.
     pub(crate) fn usage(error: impl std::fmt::Display) -> Self {
         Self { message: error.to_string(), status: 2 }
     }
 
-    /// 3: the daemon's own socket or middleware.
+    /// Status 3: the daemon's own socket or middleware could not be opened.
     fn own(error: impl std::fmt::Display) -> Self {
         Self { message: error.to_string(), status: 3 }
     }
 
-    /// 4: it stopped, and something did not end.
+    /// Status 4: it stopped, but a component was left behind.
     fn left_behind(message: String) -> Self {
         Self { message, status: 4 }
     }
 
-    /// Tells it on standard error.
+    /// Prints the message on standard error.
     pub(crate) fn report(&self) -> ExitCode {
-        // A drawing of a description's mistakes says `error` itself.
+        // Formatted diagnostics of a description begin with `error` themselves.
         let prefix = if self.message.starts_with("error") { "" } else { "error: " };
         let text = format!("{prefix}{}\n", self.message.trim_end());
         let _ = StandardError::get().write_all(text.as_bytes());
@@ -67,12 +67,12 @@ impl Refusal {
     }
 }
 
-/// Runs until asked to stop.
+/// Runs the daemon until it is asked to stop.
 pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
     genom_host::check_memory(settings.check_memory);
     limits::raise();
     if settings.lock_memory {
-        // Before there are threads: their stacks come into RAM as they are made.
+        // Before threads are created, so that their stacks are locked as well.
         memory::lock();
     }
     let runtime = tokio::runtime::Builder::new_multi_thread()
@@ -82,16 +82,16 @@ pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
         .build()
         .map_err(Refusal::own)?;
     let outcome = runtime.block_on(live(settings));
-    // A codel that hangs holds one of its threads: the process ends all the same.
+    // A codel that does not return may occupy one of its threads: this does not wait for it.
     runtime.shutdown_background();
     match genom_host::raised_to_stop() {
-        // A supervisor is to see that nobody outside asked for it.
+        // The exit status shows a supervisor of processes that nobody outside asked for the end.
         Some(told) if outcome.is_ok() => Err(Refusal::component(format!("stopped by {told}"))),
         _ => outcome,
     }
 }
 
-/// A descriptor of the daemon's own: codels do not get at it, neither by what they print nor by
+/// Protects a descriptor of the daemon from codels: neither what they print reaches it, nor
 /// children that they fork.
 fn own(descriptor: OwnedFd) -> io::Result<OwnedFd> {
     let descriptor = keep_off(descriptor)?;
@@ -115,14 +115,14 @@ async fn open_tcp(
     Ok((listener, address))
 }
 
-/// Has clients of other daemons reach this one by each middleware that passes requests on, once it
-/// is open.
+/// Makes this daemon reachable for clients of other daemons through each middleware that relays
+/// requests, once it is open.
 fn announce(daemon: &Arc<Daemon>, tokens: &Arc<Tokens>, log: Arc<Log>) {
     let (weak, runtime) = (Arc::downgrade(daemon), Handle::current());
     let (tokens, names) = (Arc::clone(tokens), announcements::names(daemon.name.as_deref()));
     daemon.supervisor.backends.on_open(move |on: &dyn Middleware| {
         let Some(daemon) = weak.upgrade().filter(|_| on.relay().is_some()) else { return };
-        // Whoever comes this way may be anybody on the network: proofs say who.
+        // Anybody on the network can send messages here: clients are identified by their proofs.
         let router = rpc::router(&daemon, &tokens, Door::proved(Arc::clone(&log)));
         let open = |name: &str, relay: &dyn Relay| {
             let most = daemon.rpc.max_body;
@@ -140,7 +140,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     let tcp = match settings.rpc.listen {
         Some(address) => {
             let (listener, address) = open_tcp(&settings.rpc, address).await?;
-            // As it is: the port may have been left to the system.
+            // The actual address: the port may have been chosen by the system.
             settings.rpc.listen = Some(address);
             Some(listener)
         }
@@ -158,7 +158,8 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     });
     tokio::spawn(keep_process(KeptProcess::remember()));
 
-    // Requests are served while components load: a slow start codel holds up nobody.
+    // Requests are served while components are being loaded: a slow start codel does not delay
+    // them.
     let RpcSettings { max_connections, max_connections_per_token, .. } = daemon.rpc;
     let most = Most { connections: max_connections, per_token: max_connections_per_token };
     let (listener, socket) = socket.split();
@@ -178,7 +179,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
             Err(Refusal::left_behind(format!("stopped before all codels had ended: {left}")))
         }
     };
-    // Gone before the last stream ends: who waits for that finds nothing left.
+    // Removed before the last stream ends: clients that wait for that end find no socket.
     drop(socket);
     supervisor.closed.raise();
     daemon.closed.cancel();
@@ -186,19 +187,19 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
         tracing::error!("the control plane ended badly: {error}");
     }
     if let Some(exporter) = exporter {
-        // The last spans; it does not take longer than a moment.
+        // Waits a moment for the last spans to be sent.
         let _ = exporter.await;
     }
     outcome
 }
 
-/// Opens the default middleware. It may take a while: some look for others first.
+/// Opens the default middleware. This may take a while: some look for peers first.
 async fn open_backend(supervisor: &Arc<Supervisor>) -> Result<(), Refusal> {
     let backend = supervisor.settings.backend.clone();
     let (worker, name) = (Arc::clone(supervisor), backend.clone());
     let opening = tokio::task::spawn_blocking(move || worker.backends.get(&name).map(drop));
     let too_long = async {
-        // One that is open closes again as it should.
+        // If it is open by then, it is closed properly.
         supervisor.asked_to_stop().await;
         let patience = tokio::time::sleep(supervisor.settings.stop_timeout);
         tokio::select! { () = patience => {}, () = supervisor.forced.raised() => {} }
@@ -211,7 +212,7 @@ async fn open_backend(supervisor: &Arc<Supervisor>) -> Result<(), Refusal> {
     }
 }
 
-/// Loads, runs until asked to stop, unloads.
+/// Loads components, runs until asked to stop, and unloads them.
 async fn work(daemon: &Daemon, settings: &Settings) -> Result<(), Refusal> {
     let (supervisor, startup) = (&daemon.supervisor, &daemon.startup);
     let mut outcome = Ok(());
@@ -229,8 +230,8 @@ async fn work(daemon: &Daemon, settings: &Settings) -> Result<(), Refusal> {
     outcome.and(stop(daemon).await)
 }
 
-/// Loads the components asked for, in order; stops at the first that is refused. What else the
-/// deployment asks for is given back.
+/// Loads the components of the configuration, in order; stops at the first that is refused. Returns
+/// the remaining steps of the deployment.
 async fn load_all(
     supervisor: &Arc<Supervisor>,
     startup: &Startup,
@@ -256,7 +257,7 @@ async fn load_all(
         let mut loading = tokio::task::spawn_blocking(move || worker.load(&request));
         let loaded = tokio::select! {
             loaded = &mut loading => loaded,
-            // Those that run are not to wait for one that starts.
+            // Running components are stopped without waiting for one that is starting.
             () = supervisor.asked_to_stop() => tokio::join!(unload_all(supervisor), loading).1,
         };
         match loaded {
@@ -274,8 +275,8 @@ async fn load_all(
     Ok(rest)
 }
 
-/// Connects, calls and starts what the configuration says; waits for other daemons as long as
-/// it takes. Returns only when a step is refused.
+/// Takes the remaining steps of the deployment: connections, which wait for other daemons without a
+/// limit, calls and activities. Returns only if a step is refused.
 async fn deploy(
     supervisor: &Arc<Supervisor>,
     startup: &Startup,
@@ -303,16 +304,16 @@ async fn deploy(
     }
 }
 
-/// The message, with file, line and key before it when they are known.
+/// The message, preceded by file, line and key if these are known.
 fn told(settings: &Settings, place: &Spot, error: &impl std::fmt::Display) -> String {
     let message = error.to_string();
-    // A drawing of a description's mistakes names its own file.
+    // Formatted diagnostics of a description name their own file.
     let file = settings.file.as_ref().filter(|_| !message.starts_with("error"));
     let place = file.and_then(|file| place.told(file, &std::fs::read_to_string(file).ok()?));
     place.map_or(message.clone(), |place| format!("{place}: {message}"))
 }
 
-/// Stops the components that run; what hangs is told and left behind.
+/// Stops all components; those that do not stop are logged and left behind.
 async fn unload_all(supervisor: &Arc<Supervisor>) -> Result<(), tokio::task::JoinError> {
     let worker = Arc::clone(supervisor);
     for (_, error) in tokio::task::spawn_blocking(move || worker.unload_all()).await? {
@@ -321,7 +322,7 @@ async fn unload_all(supervisor: &Arc<Supervisor>) -> Result<(), tokio::task::Joi
     Ok(())
 }
 
-/// Stops every component while requests under way are still answered.
+/// Stops all components while requests under way are still answered.
 async fn stop(daemon: &Daemon) -> Result<(), Refusal> {
     let supervisor = &daemon.supervisor;
     supervisor.ask_to_stop("a component was refused");
@@ -330,7 +331,7 @@ async fn stop(daemon: &Daemon) -> Result<(), Refusal> {
     })?;
     daemon.announcements.withdraw();
     supervisor.backends.close();
-    // Of those that were unloaded before, too.
+    // Including those left behind by earlier requests.
     let left = supervisor.components.left_behind();
     if left.is_empty() {
         return Ok(());
@@ -343,10 +344,10 @@ async fn stop(daemon: &Daemon) -> Result<(), Refusal> {
     Err(Refusal::left_behind(format!("stopped, and left behind: {told}")))
 }
 
-/// Codels may change signals, limits and descriptors of the process; the daemon goes on and is
-/// stopped all the same.
+/// Restores signals, limits and descriptors of the process that codels changed, so that the daemon
+/// keeps running and can be stopped.
 async fn keep_process(kept: KeptProcess) {
-    /// Between two looks.
+    /// Interval between two checks.
     const LOOK: Duration = Duration::from_millis(100);
     loop {
         tokio::time::sleep(LOOK).await;

@@ -1,4 +1,4 @@
-//! What the daemon does on signals: stop, at once when told again, and read the tokens anew.
+//! Handling of signals: stop, stop at once if repeated, and read the tokens again.
 
 use std::fs::File;
 use std::sync::Arc;
@@ -8,24 +8,25 @@ use genom_doors::Tokens;
 use genom_supervisor::Supervisor;
 use tokio::signal::unix::{Signal, SignalKind, signal};
 
-/// Another signal within this time is the same wish told twice, as by a terminal and a supervisor.
+/// A second signal within this time counts as the same request, sent for instance by both a
+/// terminal and a supervisor.
 const SAME: Duration = Duration::from_secs(1);
 
-/// The signals that the daemon handles. They are taken before anything else is done: from then on
-/// none of them ends the process by itself.
+/// The signals that the daemon handles. The handlers are installed before anything else is done, so
+/// that none of the signals ends the process.
 pub(crate) struct Signals {
     interrupt: Signal,
     terminate: Signal,
     hang_up: Signal,
     terminal: Terminal,
-    /// Whether to go on without the terminal.
+    /// Whether to continue without the terminal.
     keep: bool,
 }
 
 impl Signals {
-    /// Takes the signals; with `keep`, the end of the terminal does not stop the daemon.
+    /// Installs the handlers. With `keep`, the end of the terminal does not stop the daemon.
     pub(crate) fn take(keep: bool) -> std::io::Result<Self> {
-        // As `nohup` wants it.
+        // `nohup` starts programs with SIGHUP ignored.
         let keep = keep || ignores_hang_up();
         Ok(Self {
             interrupt: signal(SignalKind::interrupt())?,
@@ -36,8 +37,8 @@ impl Signals {
         })
     }
 
-    /// Does what signals ask for, until the process ends. A signal to stop that comes a second or
-    /// more after the daemon was asked to stop ends it at once: somebody is tired of waiting.
+    /// Acts on signals until the process ends. A signal to stop that arrives a second or more after
+    /// the daemon was asked to stop ends the process at once.
     pub(crate) async fn obey(mut self, supervisor: Arc<Supervisor>, tokens: Arc<Tokens>) {
         loop {
             let name = tokio::select! {
@@ -51,7 +52,7 @@ impl Signals {
         }
     }
 
-    /// SIGHUP has two meanings: the terminal is gone, or somebody sent it.
+    /// Distinguishes the two meanings of SIGHUP: the terminal is gone, or somebody sent the signal.
     fn hung_up(&mut self, tokens: &Tokens) -> Option<&'static str> {
         let ended = self.terminal.has_ended();
         match (ended, self.keep) {
@@ -101,7 +102,7 @@ impl Terminal {
         Self { there: is_there() }
     }
 
-    /// Whether there was one that is gone now; told once.
+    /// Whether there was a terminal that is gone now; true only once.
     fn has_ended(&mut self) -> bool {
         let ended = self.there && !is_there();
         self.there &= !ended;
@@ -109,7 +110,7 @@ impl Terminal {
     }
 }
 
-/// The kernel takes a terminal from its processes before it sends them SIGHUP.
+/// The kernel detaches a terminal from its processes before it sends them SIGHUP.
 fn is_there() -> bool {
     File::open("/dev/tty").is_ok()
 }
@@ -120,7 +121,7 @@ fn ignores_hang_up() -> bool {
     ignored(&status).is_some_and(|signals| signals & 1 != 0)
 }
 
-/// The signals that a process ignores, one bit each, the first for SIGHUP: of its `status`.
+/// The ignored signals from a process's `status` file, one bit each, the lowest for SIGHUP.
 fn ignored(status: &str) -> Option<u64> {
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;
     u64::from_str_radix(mask.trim(), 16).ok()

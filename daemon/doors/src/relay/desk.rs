@@ -1,4 +1,4 @@
-//! A door for messages.
+//! Handles requests that arrive as messages.
 
 use std::fmt;
 use std::io;
@@ -20,22 +20,23 @@ use crate::error::RpcError;
 use crate::seldom::Seldom;
 use crate::tokens::Tokens;
 
-/// Greatest answer that is sent.
+/// Maximum size of an answer, in bytes.
 const MOST: usize = 16 << 20;
 
-/// What a question is longer than what it asks.
+/// Maximum number of bytes of a question besides the body of its request.
 const AROUND: usize = 4 << 10;
 
-/// A door for messages: each is answered by a router once it is proved who sent it.
+/// Passes messages to a router once their senders have proved their identity, and returns the
+/// answers.
 ///
-/// Answers that have no end are kept, and asked for piece by piece.
+/// Streams are kept here, to be asked for piece by piece.
 pub struct Desk {
     sessions: Sessions,
     router: Router,
-    /// Greatest message that is looked at, in bytes.
+    /// Maximum size of a message that is processed, in bytes.
     most: usize,
     refused: Seldom,
-    /// The way that messages come, for the log.
+    /// Name of the transport of the messages, for the log.
     way: &'static str,
 }
 
@@ -50,11 +51,11 @@ fn refusal(code: Code, message: String) -> Vec<u8> {
 }
 
 impl Desk {
-    /// A desk under this name, at this end of the way that messages come. `router` stands behind
-    /// [`Door::proved`](crate::access::Door::proved), and takes bodies of `max_body` bytes.
+    /// A desk with this name, at the endpoint `at` of the transport. `router` is behind
+    /// [`Door::proved`](crate::access::Door::proved), and takes bodies of at most `max_body` bytes.
     ///
     /// # Errors
-    /// The system gives no random bytes.
+    /// The system provides no random bytes.
     pub fn new(
         tokens: &Arc<Tokens>,
         name: &str,
@@ -68,14 +69,14 @@ impl Desk {
         Ok(Arc::new(Self { sessions, router, most, refused, way }))
     }
 
-    /// Takes a message, and gives the answer to it, now or later.
+    /// Handles a message; calls back with the answer, at once or later.
     pub fn take(
         self: &Arc<Self>,
         runtime: &Handle,
         bytes: Vec<u8>,
         answer: impl FnOnce(Vec<u8>) + Send + 'static,
     ) {
-        // Here, at once: what is not admitted costs no task.
+        // Checked here, so that a message that is not admitted costs no task.
         let asked = match self.admit(&bytes) {
             Ok(asked) => asked,
             Err(told) => return answer(told),
@@ -93,7 +94,7 @@ impl Desk {
         });
     }
 
-    /// Who asks; or the answer, when there is no more to it.
+    /// Admits a question; otherwise returns the complete answer.
     fn admit(&self, bytes: &[u8]) -> Result<Admitted, Vec<u8>> {
         if bytes.len() > self.most {
             return Err(refusal(Code::TooLarge, "the request is too large".to_owned()));
@@ -118,7 +119,7 @@ impl Desk {
         }
     }
 
-    /// The sealed answer to a question that was admitted.
+    /// The sealed answer to an admitted question.
     async fn reply(&self, asked: &Admitted, bytes: &[u8]) -> Vec<u8> {
         let body = message::decode::<ToDaemon>(bytes).map(|(_, body)| body).unwrap_or_default();
         let (head, body) = self.answer(asked, body).await;
@@ -154,7 +155,7 @@ impl Desk {
     }
 }
 
-/// The answer with its body, or with the number by which that is asked for.
+/// The answer with its body or, for a stream, with the number to ask for more.
 async fn whole(asked: &Admitted, response: Response) -> (Answer, Vec<u8>) {
     let kind = response.headers().get(header::CONTENT_TYPE);
     let content_type = kind.and_then(|kind| kind.to_str().ok()).unwrap_or_default().to_owned();

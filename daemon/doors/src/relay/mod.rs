@@ -1,7 +1,8 @@
-//! Requests that come as messages, passed on by others that nobody needs to trust.
+//! Requests that arrive as messages, relayed by others that need not be trusted.
 //!
-//! What passes is sealed by the client and the service that is meant (`genom_proof`): whoever passes
-//! it on cannot read a token, ask in the client's name, or answer for the service.
+//! Messages are sealed by the client and the service they are for (`genom_proof`): those who relay
+//! them can neither read a token, nor make requests in the client's name, nor answer for the
+//! service.
 
 mod desk;
 mod sessions;

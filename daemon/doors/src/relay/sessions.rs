@@ -1,7 +1,7 @@
-//! Sessions with clients of other daemons, who proved that they hold a token.
+//! Sessions with clients of other daemons that proved that they hold a token.
 //!
-//! A hello costs no memory: what it is answered with, the cookie, says when that was and that it
-//! was this daemon. A session begins with the first question whose code is right.
+//! A hello needs no memory: the cookie in its answer contains its date, and only this daemon can
+//! create it. A session begins with the first question whose code is valid.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -15,41 +15,41 @@ use super::streams::Streams;
 use crate::holder::Holder;
 use crate::tokens::{Known, Tokens};
 
-/// A cookie that is older begins no session. Sessions stay as long at least, so that no cookie
-/// begins two.
+/// Maximum age of a cookie to begin a session. Sessions are kept for longer than that, so that no
+/// cookie begins two.
 const FRESH: Duration = Duration::from_secs(10);
 
-/// Sessions of one token; then those that were idle longest give way.
+/// Maximum number of sessions of one token; beyond that, those idle longest are dropped.
 const MOST: usize = 256;
 
-/// A session that asks nothing for so long is forgotten. Clients begin another one before that.
+/// Idle time after which a session is dropped. Clients begin a new one before that.
 const IDLE: Duration = Duration::from_secs(600);
 
-/// Questions of one session under way at a time.
+/// Maximum number of questions of one session under way.
 const AT_A_TIME: usize = 64;
 
-/// Why a message is not listened to, as it is told: who asks has proved nothing yet.
+/// Why a message is refused. These reasons are sent to senders that have proved nothing yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub(super) enum Refused {
-    /// A hello by nobody known.
+    /// A hello whose token is unknown.
     #[error("this token is not known here")]
     Token,
     /// A hello to another daemon.
     #[error("this daemon has another name")]
     Name,
-    /// A question in a session that never was, or is over.
+    /// A question in an unknown or expired session.
     #[error("this session is over: the daemon was restarted, or nothing was asked for long")]
     Session,
-    /// The code is wrong.
+    /// A wrong code.
     #[error("the request was changed on its way")]
     Code,
-    /// The question came before.
+    /// A question that arrived before.
     #[error("this request came before")]
     Replayed,
     /// Too many sessions or questions of this token.
     #[error("too much of this token is under way: wait for answers")]
     Busy,
-    /// The system gives no random bytes.
+    /// The system provides no random bytes.
     #[error("the daemon has no random numbers")]
     Random,
 }
@@ -69,15 +69,15 @@ impl Refused {
     }
 }
 
-/// A client that proved itself.
+/// A session with a client that proved that it holds a token.
 pub(super) struct Session {
-    /// Name of the token, to count sessions by.
+    /// Name of the token, to count its sessions.
     token: String,
-    /// The token itself: another one may have its name later.
+    /// The token itself, because another one may have the same name later.
     key: Token,
     keys: Keys,
     state: Mutex<State>,
-    /// Its streams, which nobody else can ask for.
+    /// Its streams, which other sessions cannot access.
     pub(super) streams: Arc<Streams>,
     born: Instant,
 }
@@ -86,11 +86,11 @@ struct State {
     window: Window,
     used: Instant,
     holder: Holder,
-    /// The token file as it was when the holder was looked up.
+    /// Generation of the token file when the holder was looked up.
     generation: u64,
 }
 
-/// A question that comes from whom it says; the session is not forgotten meanwhile.
+/// An authenticated question; its session is not dropped meanwhile.
 pub(super) struct Admitted {
     pub(super) session: Arc<Session>,
     pub(super) holder: Holder,
@@ -98,26 +98,26 @@ pub(super) struct Admitted {
 }
 
 impl Admitted {
-    /// The answer, as it is sent.
+    /// Seals the answer.
     pub(super) fn seal(&self, answer: &[u8]) -> Vec<u8> {
         let mac = self.session.keys.answer(self.number, answer);
         genom_proof::message::encode(&FromDaemon::Sealed { mac }, answer)
     }
 }
 
-/// The sessions of a daemon under one name.
+/// The sessions of this daemon on one middleware, under one name.
 pub(super) struct Sessions {
     tokens: Arc<Tokens>,
     name: String,
     at: String,
-    /// What cookies are made with.
+    /// Key of the cookies' signatures.
     secret: Token,
     begin: Instant,
     open: Mutex<HashMap<[u8; NONCE], Arc<Session>>>,
 }
 
 impl Sessions {
-    /// None yet. `at` is the end of the middleware that this daemon is.
+    /// No sessions. `at` is the identity of this daemon's endpoint on the middleware.
     pub(super) fn new(tokens: Arc<Tokens>, name: &str, at: String) -> std::io::Result<Self> {
         Ok(Self {
             tokens,
@@ -133,9 +133,9 @@ impl Sessions {
         self.open.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Answers a hello: proves that this daemon holds the token.
+    /// Answers a hello, and proves that this daemon holds the token.
     pub(super) fn greet(&self, hello: &Hello) -> Result<FromDaemon, Refused> {
-        // Never for another name: a client that means it would be led to this daemon.
+        // Never for another name: a client that asks for that one would be deceived.
         if hello.daemon != self.name {
             return Err(Refused::Name);
         }
@@ -155,12 +155,12 @@ impl Sessions {
         Handshake { daemon: &self.name, at: &self.at, nonce, cookie }
     }
 
-    /// Milliseconds that this daemon has been there.
+    /// Milliseconds since this daemon started.
     fn now(&self) -> u64 {
         u64::try_from(self.begin.elapsed().as_millis()).unwrap_or(u64::MAX)
     }
 
-    /// Fills in the second half of a cookie, which only this daemon can make of the first.
+    /// Writes the signature in the second half of a cookie.
     fn sign(&self, cookie: &mut [u8; NONCE], nonce: &[u8; NONCE]) {
         let mut first = *cookie;
         first[16..].fill(0);
@@ -169,7 +169,7 @@ impl Sessions {
         cookie[16..].copy_from_slice(&code[..16]);
     }
 
-    /// Whether this daemon gave that cookie for that nonce a moment ago.
+    /// Whether this daemon recently issued that cookie for that nonce.
     fn fresh(&self, cookie: &[u8; NONCE], nonce: &[u8; NONCE]) -> bool {
         let mut signed = *cookie;
         self.sign(&mut signed, nonce);
@@ -180,7 +180,7 @@ impl Sessions {
         genuine && age.is_some_and(|age| Duration::from_millis(age) < FRESH)
     }
 
-    /// The session of a question, which is there or begins; the question counts as asked.
+    /// Finds or begins the session of a question, and marks the question's number as used.
     pub(super) fn admit(&self, head: &SealedQuestion, body: &[u8]) -> Result<Admitted, Refused> {
         let found = self.lock().get(&head.cookie.0).cloned();
         let session = match found {
@@ -190,7 +190,7 @@ impl Sessions {
         if !session.keys.is_request(head.number, body, &head.mac) {
             return Err(Refused::Code);
         }
-        // The list has one, this is another, each question under way a third.
+        // References: one in the map, one here, and one per question under way.
         if Arc::strong_count(&session) > AT_A_TIME + 2 {
             return Err(Refused::Busy);
         }
@@ -203,7 +203,7 @@ impl Sessions {
         if state.generation != generation {
             // The token file was read again: the token may have other rights, or be gone.
             let Some(Known { holder, .. }) = self.tokens.same(&session.key) else {
-                // Not under the lock of the state: the list is locked first elsewhere.
+                // Released first: elsewhere the map is locked before the state.
                 drop(state);
                 self.lock().remove(&head.cookie.0);
                 return Err(Refused::Token);
@@ -216,7 +216,7 @@ impl Sessions {
         Ok(Admitted { session, holder, number: head.number })
     }
 
-    /// A session that begins with this question.
+    /// Begins a session with this question.
     fn begun(&self, head: &SealedQuestion, body: &[u8]) -> Result<Arc<Session>, Refused> {
         let (nonce, cookie) = (&head.nonce.0, &head.cookie.0);
         if !self.fresh(cookie, nonce) {
@@ -225,7 +225,7 @@ impl Sessions {
         let generation = self.tokens.generation();
         let known = self.tokens.hinted(nonce, &head.hint).ok_or(Refused::Token)?;
         let keys = known.key.keys(&self.handshake(nonce, cookie));
-        // Before anything is kept of it.
+        // Checked before anything is stored.
         if !keys.is_request(head.number, body, &head.mac) {
             return Err(Refused::Code);
         }
@@ -253,7 +253,7 @@ impl Sessions {
     }
 }
 
-/// Forgets sessions that ask nothing any more; refused when all of this token are needed.
+/// Drops idle sessions; fails if all sessions of this token are in use.
 fn make_room(
     open: &mut HashMap<[u8; NONCE], Arc<Session>>,
     token: &str,
@@ -330,7 +330,7 @@ mod tests {
         assert_eq!(refused(&sessions, &second), Refused::Code);
         *second.last_mut().unwrap() ^= 1;
         assert!(admit(&sessions, &second).is_ok());
-        // To another daemon with the same token it is nothing.
+        // Another daemon with the same token refuses it.
         assert_eq!(refused(&super::tests::sessions(TEXT), &client.seal(b"x").1), Refused::Session);
     }
 
@@ -339,7 +339,7 @@ mod tests {
         let sessions = sessions(TEXT);
         let (_, first) = met(&sessions).seal(b"start the motor");
         assert!(admit(&sessions, &first).is_ok());
-        // Whatever becomes of the session, its cookie is old before it is forgotten.
+        // Its cookie has expired before the session is dropped.
         let (head, _) = decode::<ToDaemon>(&first).unwrap();
         let ToDaemon::Sealed(head) = head else { panic!() };
         let full =

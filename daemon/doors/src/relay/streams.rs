@@ -1,7 +1,8 @@
-//! Replies without an end that other daemons read piece by piece.
+//! Streams that clients of other daemons read piece by piece.
 //!
-//! A relay knows questions and answers only: the reader asks for what has come since. It reads as
-//! fast as it likes, and when it asks no more, whatever became of it, the stream is closed.
+//! A relay only transports questions and answers, so the client asks repeatedly for what has
+//! arrived. It reads at its own pace; when it does not ask any more, for whatever reason, the
+//! stream is closed.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -12,13 +13,13 @@ use tokio::sync::{mpsc, oneshot};
 use tokio::time::timeout;
 use tokio_stream::StreamExt as _;
 
-/// How long a question waits for something to answer.
+/// How long a question waits for data.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// A stream that is not asked for so long is closed; readers may pause for less than that.
+/// A stream is closed when it is not asked for this long (a lease); readers may pause for less.
 const LEASE: Duration = Duration::from_secs(20);
 
-/// An answer is sent when it has that many bytes.
+/// An answer is sent when it has this many bytes.
 const FULL: usize = 256 << 10;
 
 /// A piece, and whether there may be more.
@@ -35,7 +36,7 @@ impl Streams {
         self.open.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Keeps a body to be read, under the number of the question that asked for it.
+    /// Adds a body to be read, under the number of the question that requested it.
     pub(super) fn add(self: &Arc<Self>, number: u64, body: Body) {
         let (sender, questions) = mpsc::channel(1);
         self.lock().insert(number, sender);
@@ -46,7 +47,7 @@ impl Streams {
         });
     }
 
-    /// What came since the last time; none, and no more, of a stream that is not open.
+    /// The bytes since the last call; empty and final for a stream that is not open.
     pub(super) async fn more(&self, number: u64) -> Piece {
         let stream = self.lock().get(&number).cloned();
         let Some(stream) = stream else { return Piece::default() };
@@ -75,7 +76,7 @@ async fn serve(mut frames: BodyDataStream, mut questions: mpsc::Receiver<oneshot
             if !more || piece.len() >= FULL {
                 break;
             }
-            // Whatever else is there already.
+            // Adds what is available already.
             next = timeout(Duration::ZERO, frames.next()).await;
         }
         if question.send((piece, more)).is_err() || !more {

@@ -12,7 +12,7 @@ use genom_supervisor::components::{Activity, Hosted};
 
 use crate::rpc::components;
 
-/// List the activities of a component, running and lately ended.
+/// List the activities of a component: running ones, and those that ended recently.
 #[utoipa::path(
     get,
     path = "/components/{component}/activities",
@@ -29,9 +29,10 @@ pub(crate) async fn list(
     Ok(Json(Activities { activities }))
 }
 
-/// Look at an activity, or wait for its end: by its number, or the latest of a service, by name.
+/// Describe an activity, or wait for its end. It is given by its number, or by the name of a
+/// service for the latest one.
 ///
-/// What has ended stays readable for `rpc.keep_results` seconds of the daemon's configuration.
+/// An ended activity is kept for `rpc.keep_results` seconds (configuration of the daemon).
 #[utoipa::path(
     get,
     path = "/components/{component}/activities/{activity}",
@@ -55,13 +56,13 @@ pub(crate) async fn look(
     };
     if let Some(seconds) = parameters.wait {
         let wait = genom_doors::wait(seconds)?;
-        // Not ended in time: the reply says that it runs.
+        // On timeout, the reply describes the running activity.
         let _ = tokio::time::timeout(wait, activity.ended()).await;
     }
     Ok(Json(activity.look(hosted.state(activity.number))))
 }
 
-/// Ask an activity to stop, by its number; or all of a service, by its name.
+/// Ask an activity to stop, given by its number, or all activities of a service, given by its name.
 #[utoipa::path(
     delete,
     path = "/components/{component}/activities/{activity}",
@@ -109,7 +110,7 @@ pub(crate) async fn abort_all(
 
 /// Ask every activity of every component to stop.
 ///
-/// Answers when all of them are told. The reply has those that have not ended.
+/// Replies when all of them were asked, with those that had not ended.
 #[utoipa::path(
     delete,
     path = "/activities",

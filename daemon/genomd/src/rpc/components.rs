@@ -18,7 +18,7 @@ use serde_json::Value;
 use crate::rpc::codels;
 use crate::startup::Startup;
 
-/// The component of that name, running.
+/// The running component of that name.
 pub(super) fn find(all: &Running, name: &str) -> Result<Arc<Hosted>, RpcError> {
     let components = all.all();
     match components.iter().find(|hosted| hosted.name == name) {
@@ -32,7 +32,7 @@ pub(super) fn find(all: &Running, name: &str) -> Result<Arc<Hosted>, RpcError> {
     }
 }
 
-/// List the components that run.
+/// List the running components.
 #[utoipa::path(
     get,
     path = "/components",
@@ -58,18 +58,18 @@ pub(crate) async fn list(
 /// Those that are being loaded, and then those of the start that are still to be.
 fn loading(mut names: Vec<String>, mut later: Vec<String>) -> Vec<String> {
     if !names.is_empty() && !later.is_empty() {
-        // The first of them is among those that are being loaded, under the name it will have.
+        // The first of these is being loaded, and is listed already under its final name.
         later.remove(0);
     }
     names.append(&mut later);
     names
 }
 
-/// Describe a component: what it is, and all its description says.
+/// Describe a component: its state, and the content of its description.
 ///
-/// `served` of a service names the middlewares that it is offered on (`[services]` of the daemon's
-/// configuration). Beside the members below: `tasks`, `ports`, `services`, `events`, `throws`, `doc`
-/// and more, as `genomctl describe` prints them; `uses` has what it prints of `remotes`.
+/// `served` of a service lists the middlewares that it is offered on (`[services]` of the daemon's
+/// configuration). The other members, such as `tasks`, `ports`, `services`, `events`, `throws` and
+/// `doc`, are as printed by `genomctl describe`; `uses` contains what it prints as `remotes`.
 #[utoipa::path(
     get,
     path = "/components/{component}",
@@ -81,13 +81,13 @@ pub(crate) async fn describe(
     Path(component): Path<String>,
 ) -> Result<Json<Value>, RpcError> {
     let hosted = find(&supervisor.components, &component)?;
-    // The description as every tool shows it, and over it what is this instance's own.
+    // The description in the form of the offline tools, with the members of this instance added.
     let mut reply = tools::describe(hosted.specification(), hosted.model());
     let described = reply["services"].as_array_mut().into_iter().flatten();
     for (index, service) in hosted.model().services.places().zip(described) {
         service["served"] = hosted.served_on(index).into();
     }
-    // `remotes` has their names alone; what each calls is told here.
+    // `remotes` contains only names here; `uses` describes them.
     let remotes = reply.as_object_mut().and_then(|reply| reply.shift_remove("remotes"));
     reply["uses"] = remotes.unwrap_or_default();
     let own = serde_json::to_value(summary(&hosted));
@@ -97,9 +97,9 @@ pub(crate) async fn describe(
     Ok(Json(reply))
 }
 
-/// Tell the types of a component as JSON Schemas: inputs and outputs of services, ports.
+/// Get the types of a component as JSON Schemas: inputs and outputs of services, and ports.
 ///
-/// Docs and defaults are those of the description. `$defs` holds the types that are named.
+/// Documentation and defaults are those of the description. `$defs` contains the named types.
 #[utoipa::path(
     get,
     path = "/components/{component}/schema",

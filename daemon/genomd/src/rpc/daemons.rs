@@ -1,8 +1,8 @@
-//! Other daemons, on middlewares that pass requests on: a fleet is supervised from one daemon, and
-//! no robot opens a TCP port.
+//! Other daemons, on middlewares that relay requests, so that a fleet can be supervised from one
+//! daemon and robots need no open TCP port.
 //!
-//! What a client and another daemon say to each other is sealed (`genom_proof`): this daemon passes
-//! messages and answers on, and reads neither.
+//! Messages between a client and another daemon are sealed (`genom_proof`): this daemon relays
+//! messages and answers without being able to read them.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -19,10 +19,10 @@ use genom_registry::Backends;
 
 use crate::daemon::Daemon;
 
-/// How long all of a name may take to answer a hello.
+/// How long all daemons of a name may take to answer a hello.
 const HELLO: Duration = Duration::from_secs(3);
 
-/// How long another daemon may take to answer.
+/// How long a daemon may take to answer a question.
 const ANSWER: Duration = Duration::from_secs(60);
 
 /// The same for requests that wait for something.
@@ -30,8 +30,8 @@ const WAIT: Duration = Duration::from_secs(3700);
 
 /// List the daemons that are visible on middlewares.
 ///
-/// A name is no proof: anybody there may show any. `genomctl --host zenoh:NAME` has the daemon
-/// prove that it holds the token, and shows it to nobody.
+/// A name is not authenticated: anybody may use any name. With `genomctl --host zenoh:NAME` the
+/// daemon has to prove that it holds the token, which is never sent.
 #[utoipa::path(
     get,
     path = "/daemons",
@@ -53,16 +53,16 @@ pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Daemons> {
     Json(Daemons { own: daemon.announcements.name(), daemons })
 }
 
-/// The open middlewares that pass requests on.
+/// The open middlewares that relay requests.
 fn relays(backends: &Backends) -> Vec<(&'static str, Arc<dyn Middleware>)> {
     let open = genom_registry::known().iter();
     let open = open.filter_map(|known| Some((known.name, backends.opened(known.name)?)));
     open.filter(|(_, open)| open.relay().is_some()).collect()
 }
 
-/// Pass a hello on to all that answer to the name of a daemon.
+/// Send a hello to all daemons that answer to a name.
 ///
-/// `docs/security.md` describes the messages; this daemon does not look into them.
+/// `docs/security.md` describes the messages, whose content this daemon does not process.
 #[utoipa::path(
     post,
     path = "/daemons/{daemon}/hello",
@@ -79,13 +79,13 @@ pub(crate) async fn hello(
     let ask = move |relay: &dyn Relay, name: &str| relay.ask_all(name, &message, HELLO);
     let all = by_relay(&daemon, &holder, name, ask).await?;
     let answers = all.into_iter().map(|(at, bytes)| {
-        // What is no text is no answer of a daemon: the client says so.
+        // A message that is not text is no valid answer; the client will reject it.
         Answered { at, message: String::from_utf8(bytes).unwrap_or_default() }
     });
     Ok(Json(Answers { answers: answers.collect() }))
 }
 
-/// Pass a sealed question on to a daemon that answered a hello.
+/// Send a sealed question to a daemon that answered a hello.
 #[utoipa::path(
     post,
     path = "/daemons/{daemon}/questions",
@@ -111,8 +111,8 @@ pub(crate) async fn question(
     Ok(([(header::CONTENT_TYPE, "application/octet-stream")], answer).into_response())
 }
 
-/// Asks by the middleware that passes requests on. Each such question takes a slot: it may hold
-/// a thread for long.
+/// Sends a message by the middleware that relays requests. Takes a slot, because it may occupy a
+/// thread for long.
 async fn by_relay<T: Send + 'static>(
     daemon: &Daemon,
     holder: &Holder,

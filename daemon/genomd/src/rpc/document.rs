@@ -1,7 +1,7 @@
-//! The control plane's own description: OpenAPI, and a page to browse it.
+//! The OpenAPI document of the control plane, and a page to browse it.
 //!
-//! Paths, parameters and bodies come from the handlers and their types; only what holds for all
-//! of them is added here.
+//! Paths, parameters and bodies come from the handlers and their types. Only what applies to all of
+//! them is added here.
 
 use axum::Extension;
 use axum::body::Bytes;
@@ -13,7 +13,7 @@ use utoipa::openapi::path::Operation;
 use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityRequirement, SecurityScheme};
 use utoipa::openapi::{ContentBuilder, OpenApi, Ref, RefOr, ResponseBuilder, Tag};
 
-/// What every operation may answer, whatever it does: the doors before the handlers.
+/// Statuses that every operation may answer, from checks before the handlers.
 const EVERYWHERE: [StatusCode; 5] = [
     StatusCode::BAD_REQUEST,
     StatusCode::UNAUTHORIZED,
@@ -28,7 +28,7 @@ const ABOUT: &str = "Control plane of genomd: components, services, activities, 
     `error` says why. Each operation names the right that a token needs for it; on the Unix \
     socket none is needed.";
 
-/// The document, written once.
+/// The document as JSON, generated once.
 #[derive(Clone, Debug)]
 pub(crate) struct Document(Bytes);
 
@@ -38,7 +38,7 @@ impl Document {
     }
 }
 
-/// Tell this document.
+/// Get this document.
 #[utoipa::path(
     get,
     path = "/openapi.json",
@@ -49,7 +49,7 @@ pub(crate) async fn json(Extension(Document(text)): Extension<Document>) -> impl
     ([(header::CONTENT_TYPE, "application/json")], text)
 }
 
-/// Browse this document, and try it.
+/// A page to browse this document and try requests.
 #[utoipa::path(
     get,
     path = "/docs",
@@ -60,13 +60,13 @@ pub(crate) async fn page() -> Html<&'static str> {
     Html(include_str!("docs.html"))
 }
 
-/// What the operations are added to: the shapes of all that they say, and of what streams and
-/// recordings say, which no operation refers to.
+/// The document before operations are added: schemas of all types, including those of streams and
+/// recordings, to which no operation refers.
 pub(super) fn begun() -> OpenApi {
     <genom_protocol::openapi::Protocol as utoipa::OpenApi>::openapi()
 }
 
-/// Adds what holds for all operations.
+/// Adds what applies to all operations.
 pub(super) fn complete(document: &mut OpenApi) {
     document.info.title = "genomd".to_owned();
     document.info.version = env!("CARGO_PKG_VERSION").to_owned();
@@ -84,7 +84,8 @@ pub(super) fn complete(document: &mut OpenApi) {
         ];
         for (method, operation) in all {
             let Some(operation) = operation else { continue };
-            // Names of handlers repeat; a path and a method do not.
+            // Operation identifiers consist of method and path, because names of handlers are not
+            // unique.
             let words = path.split(|c: char| !c.is_ascii_alphanumeric());
             let words: Vec<_> = words.filter(|word| !word.is_empty()).collect();
             operation.operation_id = Some([&[method][..], &words].concat().join("_"));
@@ -100,7 +101,7 @@ pub(super) fn complete(document: &mut OpenApi) {
     document.tags = Some(tags.into_iter().map(Tag::new).collect());
 }
 
-/// The right that the table says; a route without a row is for administrators.
+/// The right that the table requires; a route without a row requires `admin`.
 fn asked(table: &[Listed], method: &str, path: &str) -> SecurityRequirement {
     let row = table
         .iter()
@@ -111,7 +112,7 @@ fn asked(table: &[Listed], method: &str, path: &str) -> SecurityRequirement {
     }
 }
 
-/// Every refusal has the one shape of errors; a status says in words what it means.
+/// Gives all error responses the common schema, and each status a description.
 fn refusals(operation: &mut Operation) {
     let responses = &mut operation.responses.responses;
     for status in EVERYWHERE {

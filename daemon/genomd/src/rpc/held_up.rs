@@ -1,4 +1,4 @@
-//! The refusal of what a codel that does not return stands in the way of.
+//! The refusal of a request that a codel blocks because it does not return.
 
 use axum::http::StatusCode;
 use genom_doors::RpcError;

@@ -1,4 +1,4 @@
-//! Middlewares: what they can do, and what is visible on them.
+//! Middlewares: what they support, and what is visible on them.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use genom_protocol::{
 use genom_registry::Known;
 use genom_supervisor::Supervisor;
 
-/// List the middlewares, what they can do and what is visible on them.
+/// List the middlewares, what they support and what is visible on them.
 #[utoipa::path(
     get,
     path = "/middlewares",
@@ -26,7 +26,7 @@ pub(crate) async fn list(
     Parameters(parameters): Parameters<MiddlewareParameters>,
 ) -> Result<Json<Middlewares>, RpcError> {
     let visible = parameters.visible;
-    // Discovery may have to ask other processes.
+    // Discovery may have to ask other processes, and blocks.
     tokio::task::spawn_blocking(move || Json(described(&supervisor, visible)))
         .await
         .map_err(|error| RpcError::internal(error.to_string()))

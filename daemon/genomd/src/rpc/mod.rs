@@ -1,11 +1,12 @@
-//! The control plane: HTTP/1.1 and JSON, one file a resource.
+//! The control plane: HTTP/1.1 and JSON, one file per resource.
 //!
-//! `document` makes OpenAPI of the handlers: `/openapi.json`, and `/docs` to browse it. Rights are
-//! not said here: they stand in `genom_protocol::routes`, and `genom_doors` asks for them.
+//! `document` generates OpenAPI from the handlers: `/openapi.json`, and `/docs` to browse it. The
+//! rights that routes require are listed in `genom_protocol::routes`, and checked by `genom_doors`.
 //!
-//! Statuses: 2xx, the daemon did it; how a *service* ended is in the body, `result` or
-//! `exception`, since an exception is an answer of the component and not a failure of the
-//! request. 4xx and 5xx: refused, nothing ran, `{"error": {...}}` says why.
+//! Statuses: 2xx means that the daemon did what was asked. The outcome of a *service* is in the
+//! body, `result` or `exception`, because an exception is a reply of the component and not a
+//! failure of the request. 4xx and 5xx mean that the request was refused and nothing was executed;
+//! `{"error": {...}}` says why.
 
 mod activities;
 mod backends;
@@ -47,7 +48,7 @@ use crate::daemon::Daemon;
 use document::Document;
 use parts::Parts;
 
-/// Every path of the control plane, with its part of the document.
+/// All paths of the control plane, with their parts of the document.
 fn routes() -> OpenApiRouter<Parts> {
     OpenApiRouter::with_openapi(document::begun())
         .routes(routes!(daemon::about))
@@ -91,7 +92,7 @@ fn routes() -> OpenApiRouter<Parts> {
         .routes(routes!(ready::ready))
 }
 
-/// The control plane, as it shows at a door.
+/// The control plane for requests from `door`.
 pub(crate) fn router(daemon: &Arc<Daemon>, tokens: &Arc<Tokens>, door: Door) -> Router {
     let (router, mut document) = routes().split_for_parts();
     document::complete(&mut document);

@@ -1,4 +1,4 @@
-//! What handlers take of the daemon: each names the part that it uses as an argument.
+//! Parts of the daemon as arguments of handlers: each handler names what it uses.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use genom_supervisor::Supervisor;
 use crate::daemon::Daemon;
 use crate::startup::Startup;
 
-/// The daemon, as routers hold it.
+/// The state of routers: the daemon.
 #[derive(Clone)]
 pub(super) struct Parts(pub(super) Arc<Daemon>);
 
@@ -31,7 +31,7 @@ impl FromRef<Parts> for Streams {
     }
 }
 
-/// For the few that tell of the daemon itself, or of others.
+/// The whole daemon, for the few handlers that describe it or concern other daemons.
 impl FromRef<Parts> for Arc<Daemon> {
     fn from_ref(parts: &Parts) -> Self {
         Self::clone(&parts.0)

@@ -27,11 +27,11 @@ fn find(hosted: &Hosted, service: &str) -> Result<ServiceIx, RpcError> {
     })
 }
 
-/// Describe a service: parameters, docs, defaults, codels, exceptions.
+/// Describe a service: parameters, documentation, defaults, codels, exceptions.
 ///
 /// `input_schema` and `output_schema` are JSON Schemas of its inputs and outputs. Inputs of an
-/// attribute have `current`, the value they keep when they are left out, for those who may call it
-/// and unless codels are in the way.
+/// attribute have `current`, the present value, which they keep if left out. It is included for
+/// clients that may call the attribute, unless codels exclude reading it now.
 #[utoipa::path(
     get,
     path = "/components/{component}/services/{service}",
@@ -70,11 +70,11 @@ pub(crate) async fn describe(
 
 /// Call a service, or start an activity.
 ///
-/// The body holds the inputs. What is left out of an attribute, or of a value in it, keeps what the
-/// component has; what is left out of a function or activity takes its default, and is refused by
-/// name when it has none. An attribute or function
-/// answers 200 with its end, `result` or `exception`. An activity answers 202 with its number
-/// once it is accepted, or with `?wait=true` 200 with its end.
+/// The body contains the inputs. Inputs of an attribute that are left out, also members of an
+/// input, keep their present values. Those of a function or activity take their defaults; one
+/// without a default is refused by name. An attribute or function replies 200 with its outcome,
+/// `result` or `exception`. An activity replies 202 with its number when it is accepted, or with
+/// `?wait=true` 200 with its outcome.
 #[utoipa::path(
     post,
     path = "/components/{component}/services/{service}",
@@ -95,7 +95,7 @@ pub(crate) async fn call(
 ) -> Result<(StatusCode, Json<CallReply>), RpcError> {
     let hosted = components::find(&supervisor.components, &component)?;
     let index = find(&hosted, &service)?;
-    // Those that every component has do what other routes do, and ask for the same rights.
+    // Standard services have the effect of other routes, and require the same rights.
     if hosted.model().services[index].standard {
         let right = routes::right_of_standard_service(&service);
         holder.may(right, format_args!("service {service}"))?;
@@ -134,7 +134,7 @@ pub(crate) async fn call(
     }
 }
 
-/// Exceptions by which a component refuses a request before anything runs.
+/// Converts exceptions by which a component refuses a request before anything is executed.
 fn refusal(hosted: &Hosted, service: &str, exception: &str) -> Option<RpcError> {
     let name = format!("{}/{service}", hosted.name);
     match exception {
@@ -158,7 +158,7 @@ fn refusal(hosted: &Hosted, service: &str, exception: &str) -> Option<RpcError> 
     }
 }
 
-/// The order that a service asks for (genom3.md 7.6).
+/// The order that a service requires (`before`, `after`; genom3.md 7.6).
 fn order(hosted: &Hosted, service: &str) -> String {
     let services = &hosted.model().services;
     let Some(service) = services.iter().find(|found| found.name == service) else {

@@ -1,7 +1,7 @@
-//! Publishers and readers of other programs under a port's address on a middleware that the port is
-//! not on, or has left.
+//! Publishers and readers of other programs under a port's address, on a middleware that the port
+//! is not on or has left.
 //!
-//! To them it looks like a port that nobody writes or reads.
+//! These see a port that nobody writes or reads.
 
 use genom_description::model::PortDirection;
 use genom_middleware::{Address, EndpointKind, Middleware};
@@ -9,14 +9,14 @@ use genom_ports::PortKey;
 use genom_supervisor::Supervisor;
 use genom_supervisor::components::Hosted;
 
-/// What is stranded, and what brings it back.
+/// An endpoint that the port does not reach, and how to connect it.
 pub(super) struct Stranded {
     pub(super) what: String,
     pub(super) fix: String,
 }
 
-/// Publishers under an in port's own address where it does not read, readers of an out port where
-/// it is not written.
+/// Publishers under an in port's own address on middlewares where it does not read, and readers of
+/// an out port on middlewares where it does not publish.
 pub(super) fn stranded(supervisor: &Supervisor, hosted: &Hosted, key: &PortKey) -> Vec<Stranded> {
     let model = &hosted.model().ports[key.port];
     let at = hosted.port_address(key);
@@ -68,7 +68,7 @@ fn unread(at: &Address, on: &str, reads: Option<&Address>) -> Stranded {
     }
 }
 
-/// Whether somebody has an end of that kind there.
+/// Whether an endpoint of that kind is visible there.
 fn shows(open: &dyn Middleware, kind: EndpointKind, at: &Address) -> bool {
     open.ends_at(at).is_ok_and(|ends| ends.iter().any(|end| end.kind == kind))
 }

@@ -1,4 +1,4 @@
-//! The tokens of those who come in.
+//! The tokens of clients.
 
 use std::sync::Arc;
 
@@ -8,8 +8,8 @@ use genom_protocol::{Code, Reloaded};
 
 /// Read the token file again.
 ///
-/// What was taken out of it counts no more, from the next request on. A file with a mistake
-/// changes nothing. SIGHUP does the same.
+/// Tokens that are not in it any more are refused from the next request on. If the file has a
+/// mistake, nothing changes. SIGHUP has the same effect.
 #[utoipa::path(
     post,
     path = "/tokens/reload",

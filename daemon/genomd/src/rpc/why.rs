@@ -1,4 +1,4 @@
-//! Why no data flows through a port: each finding with its fix.
+//! Why no data flows through a port: findings with advice.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use genom_supervisor::connections;
 use crate::rpc::stranded::stranded;
 use crate::rpc::{components, ports};
 
-/// Tell why no data flows through a port, or why a remote calls nothing.
+/// Tell why no data flows through a port, or why calls of a remote fail.
 #[utoipa::path(
     get,
     path = "/components/{component}/ports/{port}/why",
@@ -36,14 +36,14 @@ pub(crate) async fn explain(
         Some(_) => None,
         None => Some(ports::find(&hosted, &port)?),
     };
-    // Discovery may have to ask other processes.
+    // Discovery may have to ask other processes, and blocks.
     let work = move || {
         let Some(port) = port else {
             let findings = remote.map(|remote| of_remote(&supervisor, &hosted, remote));
             return Json(Findings { findings: findings.unwrap_or_default(), flows: vec![] });
         };
         let mut findings = of_port(&supervisor, &hosted, port);
-        // What is wrong with the component may not matter to this port.
+        // Problems of the component do not necessarily affect this port.
         let flows = if findings.is_empty() { flows(&hosted, port) } else { Vec::new() };
         findings.extend(of_component(&hosted));
         Json(Findings { findings, flows })
@@ -55,7 +55,7 @@ fn finding(what: impl Into<String>, fix: impl Into<String>) -> Finding {
     Finding { what: what.into(), fix: fix.into(), unmet: false }
 }
 
-/// What of a port data flows through: written or read not long ago.
+/// Addresses of the port or its elements that were written or read recently.
 fn flows(hosted: &Hosted, port: PortIx) -> Vec<String> {
     let model = &hosted.model().ports[port];
     let one = |key: PortKey| {
@@ -121,7 +121,7 @@ fn of_port(supervisor: &Supervisor, hosted: &Hosted, port: PortIx) -> Vec<Findin
                     out.push(finding(what, "start its component; the connection is still there"));
                 } else if samples == 0 {
                     let what = format!("{address} read nothing from {} yet", made.outport);
-                    // Fed from outside, it reads from itself.
+                    // Connected to its own address: values are published from outside.
                     let fix = if made.outport == address {
                         "see that a codel reads it: `genomctl activities` shows what runs"
                             .to_owned()
@@ -144,7 +144,7 @@ fn of_port(supervisor: &Supervisor, hosted: &Hosted, port: PortIx) -> Vec<Findin
     out
 }
 
-/// What is wrong with the component, whatever the port.
+/// Problems of the component that concern all ports.
 fn of_component(hosted: &Hosted) -> Vec<Finding> {
     let mut out = Vec::new();
     stuck_codels(hosted, &mut out);
@@ -157,7 +157,7 @@ fn of_component(hosted: &Hosted) -> Vec<Finding> {
     out
 }
 
-/// The same of a remote: no service, or one that is not there.
+/// Problems of a remote: it is not connected, or its service does not exist.
 fn of_remote(supervisor: &Supervisor, hosted: &Hosted, remote: usize) -> Vec<Finding> {
     let mut out = remote_unserved(supervisor, hosted, remote);
     stuck_codels(hosted, &mut out);
@@ -195,7 +195,7 @@ fn remote_unserved(supervisor: &Supervisor, hosted: &Hosted, remote: usize) -> V
     let what = format!("nobody provides {} {place}", made.service);
     let fix = match &made.backend {
         None => "start its component; the connection is still there",
-        // What is not offered looks from here like what is not there.
+        // A service that is not offered cannot be distinguished from one that does not exist.
         Some(_) => {
             "start its component; the connection is still there. If it runs, `genomctl info` there \
              tells what [services] of its daemon's configuration offers"
@@ -204,7 +204,7 @@ fn remote_unserved(supervisor: &Supervisor, hosted: &Hosted, remote: usize) -> V
     vec![finding(what, fix)]
 }
 
-/// Ends that are there and do not meet, on the middlewares in use.
+/// Endpoints that exist and do not reach each other, on the middlewares in use.
 fn unmet(supervisor: &Supervisor, hosted: &Hosted, key: &PortKey) -> Vec<Finding> {
     let port = &hosted.model().ports[key.port];
     let on = |backend: &str, address: &Address| {
@@ -225,14 +225,15 @@ fn unmet(supervisor: &Supervisor, hosted: &Hosted, key: &PortKey) -> Vec<Finding
     obstacles.into_iter().map(unmet).collect()
 }
 
-/// An out port that was not written for so long does not flow, when nothing runs.
+/// Nanoseconds after which an out port without a new sample counts as not written, if no activity
+/// runs.
 const STALE: u64 = 1_000_000_000;
 
 fn idle(hosted: &Hosted) -> bool {
     hosted.activities.running() == 0
 }
 
-/// Which activities write a port, for somebody who wants it written.
+/// Which activities write a port, as advice.
 fn start_one(hosted: &Hosted, port: PortIx) -> String {
     let name = &hosted.name;
     let writes = |service: &&Service| {
@@ -267,7 +268,7 @@ fn stuck_codels(hosted: &Hosted, out: &mut Vec<Finding>) {
     }
 }
 
-/// Tasks that keep a processor and do not pause.
+/// Tasks that occupy a processor and never pause.
 fn spinning_codels(hosted: &Hosted, out: &mut Vec<Finding>) {
     for spin in hosted.spins() {
         let (task, codel) = (&spin.unpaused.task, &spin.unpaused.codel);
@@ -278,7 +279,7 @@ fn spinning_codels(hosted: &Hosted, out: &mut Vec<Finding>) {
     }
 }
 
-/// Ticks that were missed.
+/// Missed ticks.
 fn stopped_tasks(hosted: &Hosted, out: &mut Vec<Finding>) {
     let name = &hosted.name;
     for task in hosted.figures().tasks.iter().filter(|task| task.overruns > 0) {
