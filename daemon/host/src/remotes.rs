@@ -5,7 +5,7 @@
 use std::ffi::{c_char, c_void};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use genom_description::model::{Direction, Remote, Span};
+use genom_description::model::{Direction, Indexed, Remote, RemoteIx, Span};
 use genom_runtime::body::RemoteCall;
 use genom_types::{DataType, Record, TypeId, foreign};
 
@@ -124,7 +124,7 @@ impl Signature {
 }
 
 /// The remotes of one component.
-pub(crate) struct Remotes(Vec<Handle>);
+pub(crate) struct Remotes(Indexed<RemoteIx, Handle>);
 
 /// `comp_r` of genom3.md 5.8 or 6, and the state of its function.
 struct Handle {
@@ -157,7 +157,7 @@ struct Link {
 impl Remotes {
     /// Handles for remotes; `None` when there is no memory for executable code.
     pub(crate) fn new(
-        signatures: Vec<Signature>,
+        signatures: Indexed<RemoteIx, Signature>,
         shared: &Arc<Shared>,
         details: &Arc<Details>,
         exceptions: Option<&Arc<Exceptions>>,
@@ -202,12 +202,12 @@ impl Remotes {
     }
 
     /// The pointer that codels get for the remote.
-    pub(crate) fn handle(&self, remote: usize) -> *const c_void {
+    pub(crate) fn handle(&self, remote: RemoteIx) -> *const c_void {
         self.0[remote].table.as_ptr().cast()
     }
 
     /// Connects a remote, or disconnects it with `None`.
-    pub(crate) fn bind(&self, remote: usize, call: Option<Box<dyn RemoteCall>>) {
+    pub(crate) fn bind(&self, remote: RemoteIx, call: Option<Box<dyn RemoteCall>>) {
         if let Some(handle) = self.0.get(remote) {
             handle.state.link.lock().unwrap_or_else(PoisonError::into_inner).call = call;
         }

@@ -4,6 +4,7 @@
 
 mod support;
 
+use genom_description::model::{Ix as _, RemoteIx};
 use genom_runtime::body::{Body, RemoteCall};
 use genom_types::Record;
 use serde_json::{Value, json};
@@ -90,7 +91,7 @@ fn a_remote_takes_arguments_gives_outputs_and_throws() {
     };
     // It can be called only once a supervisor has connected it.
     assert_eq!(ask("one").0, "::genom::no_such_service");
-    demo.component.bind_remote(0, Some(Box::new(Fake)));
+    demo.component.bind_remote(RemoteIx::new(0), Some(Box::new(Fake)));
 
     let mut frame = demo.begin("ask", json!({ "first": "one" }));
     assert_eq!(demo.call(&mut *frame, "ask_start"), "::demo::ether");
@@ -119,7 +120,7 @@ fn a_remote_takes_arguments_gives_outputs_and_throws() {
         assert_eq!(ask("longer").0, "::other::TOO_LONG");
     }
 
-    demo.component.bind_remote(0, None);
+    demo.component.bind_remote(RemoteIx::new(0), None);
     assert_eq!(ask("one").0, "::genom::no_such_service");
 
     let differs = TEXT.replace("in double scale", "in float scale");

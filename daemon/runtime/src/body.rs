@@ -4,7 +4,7 @@
 //! runtime guarantees the exclusion rules (genom3.md 4.5): while it calls a codel or a transfer,
 //! nothing that conflicts with it runs, and one frame is used by one thread at a time.
 
-use genom_description::model::{Owner, PortIx};
+use genom_description::model::{Owner, PortIx, RemoteIx};
 use genom_middleware::{Publisher, Subscription};
 use genom_types::Record;
 use serde_json::Value;
@@ -49,7 +49,7 @@ pub trait Body: Send + Sync {
     );
 
     /// Connects a remote, or disconnects it. Called with all codels excluded.
-    fn bind_remote(&self, remote: usize, call: Option<Box<dyn RemoteCall>>);
+    fn bind_remote(&self, remote: RemoteIx, call: Option<Box<dyn RemoteCall>>);
 
     /// Sets what opens a publisher when a codel calls `open(id)` on a multiple out port.
     fn set_opener(&self, opener: Box<dyn Opener>);

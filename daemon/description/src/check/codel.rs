@@ -10,7 +10,7 @@ use super::attribute::direction;
 use super::facts::Shape;
 use super::state::{Argument, Body, BodyId, CodelParameter, CodelState, Prototype, Role, Service};
 use crate::diagnostic::Diagnostic;
-use crate::model::{Dialect, Direction, Ix as _, PortIx, Source, Span, Yield};
+use crate::model::{Dialect, Direction, Ix as _, PortIx, RemoteIx, Source, Span, Yield};
 use crate::syntax::{self, Codel, Name, Qualifier, Variable};
 
 impl Checker {
@@ -354,7 +354,7 @@ impl Checker {
         variable: &Variable,
         direction: Direction,
         role: Role,
-    ) -> Option<usize> {
+    ) -> Option<RemoteIx> {
         let name = &variable.root;
         let Some((rank, _, remote)) = self.bodies[id].remotes.get_full(&name.text) else {
             self.unknown(id, "remote", name, |body| {
@@ -372,7 +372,7 @@ impl Checker {
             let message = format!("remote `{}` has no members", name.text);
             self.push(Diagnostic::error("E0722", name.span, message).note(span, "declared here"));
         }
-        Some(rank)
+        Some(RemoteIx::new(rank))
     }
 
     // genom3.md 3.6 S11.

@@ -13,9 +13,9 @@ use super::exclusion::Sharing;
 use super::state::{self, BodyId, CodelState, Role, add_throws};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::model::{
-    AttributeTarget, Codel, CodelKind, CodelParameter, Component, Dialect, Direction, Interface,
-    Ix as _, Owner, Parameter, Port, PortDirection, Remote, Service, ServiceIx, ServiceKind, Sink,
-    Source, Specification, Task, TaskIx,
+    AttributeTarget, Codel, CodelKind, CodelParameter, Component, Dialect, Direction, Indexed,
+    Interface, Ix as _, Owner, Parameter, Port, PortDirection, Remote, RemoteIx, Service,
+    ServiceIx, ServiceKind, Sink, Source, Specification, Task, TaskIx,
 };
 use crate::syntax;
 
@@ -241,13 +241,13 @@ impl Checker {
         }
     }
 
-    fn lower_remotes(&mut self, id: BodyId, made: &mut Made) -> Vec<Remote> {
+    fn lower_remotes(&mut self, id: BodyId, made: &mut Made) -> Indexed<RemoteIx, Remote> {
         let remotes: Vec<_> = self.bodies[id]
             .remotes
             .iter()
             .map(|(name, remote)| (name.to_string(), remote.clone()))
             .collect();
-        let mut list = Vec::new();
+        let mut list = Indexed::default();
         for (name, remote) in remotes {
             let records = self.records(remote.interface, remote.service, made);
             let interface = &self.bodies[remote.interface];
@@ -382,7 +382,7 @@ fn add_codels(
     codels: &mut Vec<Codel>,
     from: Vec<CodelState>,
     owner: Owner,
-    remotes: &[Remote],
+    remotes: &Indexed<RemoteIx, Remote>,
 ) -> Vec<usize> {
     let first = codels.len();
     for codel in from {

@@ -8,7 +8,7 @@ use indexmap::{IndexMap, IndexSet};
 
 use super::scope::ScopeId;
 use crate::model::{
-    Default as DefaultValue, Dialect, Direction, PathStep, PortIx, Source, Span, Yield,
+    Default as DefaultValue, Dialect, Direction, PathStep, PortIx, RemoteIx, Source, Span, Yield,
 };
 use crate::syntax::{Codel, Name, Qualifier, ServiceKind, Variable};
 
@@ -169,7 +169,7 @@ pub(super) enum Argument {
     Value(TypeId),
     Ids(TypeId),
     Port(PortIx, TypeId),
-    Remote(usize),
+    Remote(RemoteIx),
 }
 
 impl Service {

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use genom_types::TypeId;
 
-use super::{Direction, PathStep, PortIx, ServiceIx, Span, TaskIx};
+use super::{Direction, PathStep, PortIx, RemoteIx, ServiceIx, Span, TaskIx};
 
 /// What a codel belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -99,5 +99,5 @@ pub enum Source {
     /// A port of the component, by index.
     Port(PortIx),
     /// A remote of the component, by index.
-    Remote(usize),
+    Remote(RemoteIx),
 }

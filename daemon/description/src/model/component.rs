@@ -5,7 +5,8 @@ use std::time::Duration;
 use genom_types::{ScopedName, TypeId};
 
 use super::{
-    Codel, Indexed, Ix as _, Parameter, PortIx, Service, ServiceIx, ServiceKind, Span, TaskIx,
+    Codel, Indexed, Ix as _, Parameter, PortIx, RemoteIx, Service, ServiceIx, ServiceKind, Span,
+    TaskIx,
 };
 
 /// Which generation of the language a component was written in (dialects.md).
@@ -47,7 +48,7 @@ pub struct Component {
     /// Ports in order of declaration, those of interface `genom` first.
     pub ports: Indexed<PortIx, Port>,
     /// Remotes, from `uses`.
-    pub remotes: Vec<Remote>,
+    pub remotes: Indexed<RemoteIx, Remote>,
     /// Services in order, those of interface `genom` first.
     pub services: Indexed<ServiceIx, Service>,
     /// Codels of tasks and services; lists of `usize` elsewhere in the model index into it.

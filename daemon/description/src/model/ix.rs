@@ -50,6 +50,8 @@ places! {
     ServiceIx;
     /// Index of a task in [`Component::tasks`](super::Component::tasks).
     TaskIx;
+    /// A remote of a component: its place in [`Component::remotes`](super::Component::remotes).
+    RemoteIx;
 }
 
 /// A list that can be indexed with one type of index only.

@@ -1,6 +1,6 @@
 //! Digests (genom3.md 4.9).
 
-use genom_description::model::{Ix as _, ServiceIx};
+use genom_description::model::{Ix as _, RemoteIx, ServiceIx};
 
 use super::{component, plain, whole};
 
@@ -32,7 +32,7 @@ fn a_remote_has_the_digest_of_the_service_it_calls() {
     );
     let provided =
         component(&specification, "server").services.iter().find(|s| s.name == "f").unwrap();
-    let used = &component(&specification, "client").remotes[0];
+    let used = &component(&specification, "client").remotes[RemoteIx::new(0)];
     assert_eq!(used.name, "f");
     assert_eq!(used.digest, provided.digest);
 }
@@ -46,7 +46,7 @@ fn local_variables_of_a_service_are_no_affair_of_those_who_call_it() {
     );
     let provided =
         component(&specification, "server").services.iter().find(|s| s.name == "f").unwrap();
-    let used = &component(&specification, "client").remotes[0];
+    let used = &component(&specification, "client").remotes[RemoteIx::new(0)];
     assert_eq!(used.digest, provided.call_digest);
     assert_ne!(provided.call_digest, provided.digest);
 }
@@ -61,5 +61,8 @@ fn exceptions_count_for_those_who_call() {
     );
     let provided =
         component(&specification, "server").services.iter().find(|s| s.name == "f").unwrap();
-    assert_ne!(component(&specification, "client").remotes[0].digest, provided.call_digest);
+    assert_ne!(
+        component(&specification, "client").remotes[RemoteIx::new(0)].digest,
+        provided.call_digest
+    );
 }

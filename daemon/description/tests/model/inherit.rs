@@ -1,6 +1,8 @@
 //! `provides`, `uses`, `extends` and reopening (genom3.md 4.6).
 
-use genom_description::model::{Ix as _, PathStep, PortDirection, ServiceIx, Source, TaskIx};
+use genom_description::model::{
+    Ix as _, PathStep, PortDirection, RemoteIx, ServiceIx, Source, TaskIx,
+};
 
 use super::{component, plain};
 
@@ -18,7 +20,7 @@ fn uses_flips_ports_and_makes_remotes() {
     let remotes: Vec<_> = c.remotes.iter().map(|r| r.name.as_str()).collect();
     assert_eq!(remotes, ["f", "at", "ac"]);
     assert!(c.services.is_empty());
-    assert_eq!(specification.types.members(c.remotes[0].input).len(), 1);
+    assert_eq!(specification.types.members(c.remotes[RemoteIx::new(0)].input).len(), 1);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use genom_description::model::{
-    CodelParameter, Direction, PortDirection, PortIx, Service, ServiceKind, Source,
+    CodelParameter, Direction, PortDirection, PortIx, RemoteIx, Service, ServiceKind, Source,
 };
 use genom_doors::RpcError;
 use genom_middleware::{Address, Obstacle};
@@ -31,7 +31,7 @@ pub(crate) async fn explain(
     Path((component, port)): Path<(String, String)>,
 ) -> Result<Json<Findings>, RpcError> {
     let hosted = components::find(&supervisor.components, &component)?;
-    let remote = hosted.model().remotes.iter().position(|remote| remote.name == port);
+    let remote = hosted.model().remotes.find(|remote| remote.name == port);
     let port = match remote {
         Some(_) => None,
         None => Some(ports::find(&hosted, &port)?),
@@ -158,7 +158,7 @@ fn of_component(hosted: &Hosted) -> Vec<Finding> {
 }
 
 /// Problems of a remote: it is not connected, or its service does not exist.
-fn of_remote(supervisor: &Supervisor, hosted: &Hosted, remote: usize) -> Vec<Finding> {
+fn of_remote(supervisor: &Supervisor, hosted: &Hosted, remote: RemoteIx) -> Vec<Finding> {
     let mut out = remote_unserved(supervisor, hosted, remote);
     stuck_codels(hosted, &mut out);
     if let Some(provider) = hosted.ties.remote(remote)
@@ -170,7 +170,7 @@ fn of_remote(supervisor: &Supervisor, hosted: &Hosted, remote: usize) -> Vec<Fin
     out
 }
 
-fn remote_unserved(supervisor: &Supervisor, hosted: &Hosted, remote: usize) -> Vec<Finding> {
+fn remote_unserved(supervisor: &Supervisor, hosted: &Hosted, remote: RemoteIx) -> Vec<Finding> {
     let address = hosted.address(&hosted.model().remotes[remote].name, None);
     let Some(made) = hosted.ties.remote(remote) else {
         let fix = format!("`genomctl connect {address} COMPONENT/SERVICE`");

@@ -1,7 +1,7 @@
 //! Codels prepared for calls: address, call interface, paths to the arguments.
 
 use genom_description::model::{
-    Codel, CodelParameter, Component as Model, Indexed, Owner, PortIx, ServiceIx, Source,
+    Codel, CodelParameter, Component as Model, Indexed, Owner, PortIx, RemoteIx, ServiceIx, Source,
 };
 use genom_types::{CompiledPath, DataType, PathError, PathStep};
 
@@ -46,7 +46,7 @@ pub(super) enum From {
     /// The handle of a port, by index.
     Port(PortIx),
     /// The handle of a remote, by index.
-    Remote(usize),
+    Remote(RemoteIx),
 }
 
 /// Why an argument has no address.

@@ -19,7 +19,7 @@ pub use zones::{MemoryCheck, check_memory};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use genom_description::model::{Owner, PortIx, Span};
+use genom_description::model::{Owner, PortIx, RemoteIx, Span};
 use genom_middleware::{Publisher, Subscription};
 use genom_runtime::body::{Body, Frame, Opener, RemoteCall};
 use genom_runtime::plan::Plan;
@@ -129,7 +129,7 @@ impl Body for Component {
         self.inner.ports.bind_in(port, element, subscription);
     }
 
-    fn bind_remote(&self, remote: usize, call: Option<Box<dyn RemoteCall>>) {
+    fn bind_remote(&self, remote: RemoteIx, call: Option<Box<dyn RemoteCall>>) {
         self.inner.remotes.bind(remote, call);
     }
 

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use genom_description::model::{Indexed, Port, PortIx, Service, ServiceIx};
+use genom_description::model::{Indexed, Port, PortIx, RemoteIx, Service, ServiceIx};
 use genom_runtime::plan::{Event, Meaning, Plan};
 use genom_types::{DataType, Kind, Record, ScopedName, TypeTable};
 
@@ -40,7 +40,7 @@ pub(super) struct Parts {
     pub(super) services: Indexed<ServiceIx, Option<ServiceTypes>>,
     pub(super) codels: Vec<Option<Prepared>>,
     pub(super) ports: Indexed<PortIx, Option<DataType>>,
-    pub(super) remotes: Vec<Option<Signature>>,
+    pub(super) remotes: Indexed<RemoteIx, Option<Signature>>,
     pub(super) details: Details,
     pub(super) nothing: DataType,
     pub(super) cxx: Option<(CxxTypes, Exceptions)>,
@@ -120,7 +120,7 @@ impl Parts {
         let shared = Arc::new(Shared { events: table, contexts });
         let details = Arc::new(self.details);
         let types: Indexed<PortIx, DataType> = self.ports.into_iter().collect::<Option<_>>()?;
-        let signatures = self.remotes.into_iter().collect::<Option<Vec<_>>>()?;
+        let signatures = self.remotes.into_iter().collect::<Option<Indexed<_, _>>>()?;
         let in_cxx = |(cxx, exceptions): (CxxTypes, Exceptions)| {
             let ports: Indexed<PortIx, CxxType> = cxx.ports.into_iter().collect::<Option<_>>()?;
             let services = cxx.services.into_iter().collect::<Option<_>>()?;

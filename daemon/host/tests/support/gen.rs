@@ -44,7 +44,7 @@ impl Gen {
             .into_iter()
             .collect(),
             ports: Indexed::default(),
-            remotes: vec![],
+            remotes: Indexed::default(),
             services: Indexed::default(),
             codels: vec![],
             states: ["ether", "start", "stop"].map(String::from).into(),
@@ -191,7 +191,11 @@ impl Gen {
             Some(AttributeTarget { path: path.to_vec() });
     }
 
-    pub(crate) fn remote(&mut self, name: &str, parameters: &[(Direction, &str, TypeId)]) -> usize {
+    pub(crate) fn remote(
+        &mut self,
+        name: &str,
+        parameters: &[(Direction, &str, TypeId)],
+    ) -> RemoteIx {
         let (input, output) = self.records(name, parameters);
         self.component.remotes.push(Remote {
             name: name.into(),
@@ -203,8 +207,7 @@ impl Gen {
             throws: vec![],
             digest: String::new(),
             span: Span::default(),
-        });
-        self.component.remotes.len() - 1
+        })
     }
 
     /// Adds a codel of a service or task, of the kind that its owner runs.

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use genom_description::model::{Ix as _, Owner, PortIx, ServiceIx, TaskIx};
+use genom_description::model::{Ix as _, Owner, PortIx, RemoteIx, ServiceIx, TaskIx};
 use genom_description::{Options, read_text};
 use genom_middleware::{Publisher, Subscription};
 use genom_types::Record;
@@ -25,7 +25,7 @@ impl Body for Kept {
     }
     fn bind_out(&self, _: PortIx, _: Option<&str>, _: Option<Box<dyn Publisher>>) {}
     fn bind_in(&self, _: PortIx, _: Option<&str>, _: Option<Box<dyn Subscription>>) {}
-    fn bind_remote(&self, _: usize, _: Option<Box<dyn RemoteCall>>) {}
+    fn bind_remote(&self, _: RemoteIx, _: Option<Box<dyn RemoteCall>>) {}
     fn set_opener(&self, _: Box<dyn Opener>) {}
     fn port_value(&self, _: PortIx, _: Option<&str>) -> Option<Value> {
         None

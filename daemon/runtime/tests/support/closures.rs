@@ -5,7 +5,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use genom_description::model::{Ix as _, Owner, PortIx, ServiceIx};
+use genom_description::model::{Ix as _, Owner, PortIx, RemoteIx, ServiceIx};
 use genom_middleware::{Publisher, Subscription};
 use genom_runtime::body::{Body, EventId, Frame, Opener, RemoteCall, Returned};
 use genom_runtime::{
@@ -122,7 +122,7 @@ impl Body for Closures {
 
     fn bind_out(&self, _: PortIx, _: Option<&str>, _: Option<Box<dyn Publisher>>) {}
     fn bind_in(&self, _: PortIx, _: Option<&str>, _: Option<Box<dyn Subscription>>) {}
-    fn bind_remote(&self, _: usize, _: Option<Box<dyn RemoteCall>>) {}
+    fn bind_remote(&self, _: RemoteIx, _: Option<Box<dyn RemoteCall>>) {}
     fn set_opener(&self, _: Box<dyn Opener>) {}
 
     fn port_value(&self, _: PortIx, _: Option<&str>) -> Option<Value> {

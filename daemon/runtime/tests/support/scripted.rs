@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-use genom_description::model::{CodelKind, Ix as _, Owner, PortIx, ServiceIx};
+use genom_description::model::{CodelKind, Ix as _, Owner, PortIx, RemoteIx, ServiceIx};
 use genom_middleware::{Publisher, Subscription};
 use genom_runtime::body::{Body, Frame, Opener, RemoteCall, Returned};
 use genom_runtime::{Plan, VirtualClock};
@@ -72,7 +72,7 @@ impl Body for Scripted {
 
     fn bind_out(&self, _: PortIx, _: Option<&str>, _: Option<Box<dyn Publisher>>) {}
     fn bind_in(&self, _: PortIx, _: Option<&str>, _: Option<Box<dyn Subscription>>) {}
-    fn bind_remote(&self, _: usize, _: Option<Box<dyn RemoteCall>>) {}
+    fn bind_remote(&self, _: RemoteIx, _: Option<Box<dyn RemoteCall>>) {}
     fn set_opener(&self, _: Box<dyn Opener>) {}
 
     fn port_value(&self, _: PortIx, _: Option<&str>) -> Option<Value> {

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use genom_description::model::{
-    Component as Model, Direction, PortIx, ServiceIx, ServiceKind, Specification,
+    Component as Model, Direction, PortIx, RemoteIx, ServiceIx, ServiceKind, Specification,
 };
 use genom_middleware::{Address, Quality, Served, Subscription};
 use genom_ports::PortKey;
@@ -350,7 +350,7 @@ impl Hosted {
     /// Connects a remote, or disconnects it, with all codels excluded.
     pub fn bind_remote(
         &self,
-        remote: usize,
+        remote: RemoteIx,
         call: Option<Box<dyn RemoteCall>>,
     ) -> Result<(), HeldUp> {
         self.instance.exclusively(|body| body.bind_remote(remote, call))

@@ -48,7 +48,7 @@ impl Hosted {
     }
 
     fn release_ports(&self, body: &dyn Body) {
-        for remote in 0..self.model().remotes.len() {
+        for remote in self.model().remotes.places() {
             body.bind_remote(remote, None);
         }
         for (index, port) in self.model().ports.pairs() {

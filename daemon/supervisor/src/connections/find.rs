@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use genom_configuration::place::{Place, PlaceError};
-use genom_description::model::PortDirection;
+use genom_description::model::{PortDirection, RemoteIx};
 use genom_middleware::{Address, EndpointKind, Middleware, OpenError};
 use genom_nearest::suggest;
 use genom_ports::PortKey;
@@ -20,7 +20,7 @@ pub(super) enum Inlet {
     /// An in port of a component.
     Port(Arc<Hosted>, PortKey),
     /// A remote of a component, by its index.
-    Remote(Arc<Hosted>, usize),
+    Remote(Arc<Hosted>, RemoteIx),
 }
 
 /// The providing side of a connection.
@@ -58,7 +58,7 @@ impl Connections {
             refuse(suggest(&address.component, all.iter().map(|hosted| hosted.name.as_str())))
         })?;
         let remotes = &caller.model().remotes;
-        match remotes.iter().position(|remote| remote.name == wanted) {
+        match remotes.find(|remote| remote.name == wanted) {
             Some(rank) => Ok(Inlet::Remote(caller, rank)),
             None => {
                 let names = remotes.iter().map(|remote| remote.name.as_str());

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Instant;
 
+use genom_description::model::RemoteIx;
 use genom_middleware::describe::types_of_service;
 use genom_middleware::{Address, EndpointKind, Middleware, OpenError, ServiceType};
 use genom_nearest::suggest;
@@ -25,7 +26,7 @@ impl Connections {
     pub(super) fn connect_service(
         &self,
         caller: &Hosted,
-        remote: usize,
+        remote: RemoteIx,
         wanted: &Wanted,
     ) -> Result<ServiceConnection, ConnectError> {
         let Outlet { address, asked, .. } = wanted.outlet(Kind::Service)?;
@@ -58,7 +59,7 @@ impl Connections {
     fn near(
         &self,
         caller: &Hosted,
-        remote: usize,
+        remote: RemoteIx,
         provider: &Hosted,
         wanted: &Wanted,
         at: &Address,
@@ -83,7 +84,7 @@ impl Connections {
     fn far(
         &self,
         caller: &Hosted,
-        remote: usize,
+        remote: RemoteIx,
         asked: Option<&str>,
         wanted: &Wanted,
         at: &Address,
@@ -184,7 +185,7 @@ impl Connections {
     pub(super) fn disconnect_service(
         &self,
         caller: &Hosted,
-        remote: usize,
+        remote: RemoteIx,
     ) -> Result<bool, HeldUp> {
         let Some(had) = caller.ties.remote_disconnected(remote) else { return Ok(false) };
         if let Err(held_up) = caller.bind_remote(remote, None) {

@@ -8,7 +8,7 @@ mod connection;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use genom_description::model::PortIx;
+use genom_description::model::{PortIx, RemoteIx};
 use genom_middleware::Address;
 use genom_ports::gauge::Gauge;
 use genom_ports::tape::Tapes;
@@ -31,7 +31,7 @@ pub struct Ties {
 #[derive(Debug, Default)]
 struct State {
     ports: BTreeMap<PortKey, (PortConnection, Tap)>,
-    services: BTreeMap<usize, ServiceConnection>,
+    services: BTreeMap<RemoteIx, ServiceConnection>,
     /// In ports whose last connection failed because the types differ, with both types.
     differed: BTreeMap<PortKey, String>,
     /// Foreign names of its types, kept as long as its ports are open.
@@ -60,7 +60,7 @@ impl Ties {
 
     /// The connection of a remote, given by its index.
     #[must_use]
-    pub fn remote(&self, remote: usize) -> Option<ServiceConnection> {
+    pub fn remote(&self, remote: RemoteIx) -> Option<ServiceConnection> {
         self.with(|state| state.services.get(&remote).cloned())
     }
 
@@ -200,12 +200,12 @@ impl Ties {
     }
 
     /// Stores the connection of a remote.
-    pub(crate) fn remote_connected(&self, remote: usize, connection: ServiceConnection) {
+    pub(crate) fn remote_connected(&self, remote: RemoteIx, connection: ServiceConnection) {
         self.with(|state| state.services.insert(remote, connection));
     }
 
     /// Removes and returns the connection of a remote.
-    pub(crate) fn remote_disconnected(&self, remote: usize) -> Option<ServiceConnection> {
+    pub(crate) fn remote_disconnected(&self, remote: RemoteIx) -> Option<ServiceConnection> {
         self.with(|state| state.services.remove(&remote))
     }
 
