@@ -198,6 +198,21 @@ impl Home {
     }
 }
 
+impl Drop for Home {
+    /// Cells go on without a daemon that was killed: they end with the test.
+    fn drop(&mut self) {
+        let mut all = self.socket().into_os_string();
+        all.push(".cells");
+        for cell in std::fs::read_dir(all).into_iter().flatten().flatten() {
+            let Ok(pid) = std::fs::read_to_string(cell.path().join("pid")) else { continue };
+            let arguments = std::fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
+            if arguments.windows(10).any(|word| word == b"--run-cell") {
+                let _ = Command::new("kill").args(["-s", "KILL", &pid]).status();
+            }
+        }
+    }
+}
+
 impl Default for Home {
     fn default() -> Self {
         Self::new()
@@ -329,5 +344,13 @@ impl Daemon {
     pub fn stop(self, signal: &str) -> (Finished, Home) {
         self.running.signal(signal);
         (self.running.finish(), self.home)
+    }
+
+    /// Kills the daemon alone: its cells go on, and hold its standard error open.
+    #[must_use]
+    pub fn abandon(self) -> Home {
+        self.running.signal("KILL");
+        drop(self.running);
+        self.home
     }
 }

@@ -11,6 +11,7 @@ use genom_registry::{Sections, check};
 use genom_runtime::{ACTIVITY_LIMIT, STUCK_AFTER};
 use serde::{Deserialize, Serialize};
 
+use crate::cells::CellsSection;
 use crate::error::{ConfigError, WhichDaemon};
 use crate::levels;
 use crate::offers::Offers;
@@ -46,6 +47,8 @@ pub struct Config {
     pub max_activities: usize,
     /// The control plane.
     pub rpc: Rpc,
+    /// Processes of their own for components.
+    pub cells: CellsSection,
     /// Which services are offered on which middlewares.
     pub services: Offers,
     /// What is sent to an OpenTelemetry collector.
@@ -99,6 +102,7 @@ impl Default for Config {
             stuck_after: STUCK_AFTER.as_secs(),
             max_activities: ACTIVITY_LIMIT,
             rpc: Rpc::default(),
+            cells: CellsSection::default(),
             services: Offers::default(),
             telemetry: Telemetry::default(),
             backends: BTreeMap::new(),

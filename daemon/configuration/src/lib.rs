@@ -6,6 +6,7 @@
 
 #![forbid(unsafe_code)]
 
+mod cells;
 mod error;
 mod file;
 pub mod levels;
@@ -16,6 +17,7 @@ mod rpc;
 mod spot;
 pub mod terms;
 
+pub use cells::{CellSettings, CellsSection, WithoutDaemon};
 pub use error::{
     ConfigError, MOST_ACTIVITIES, NoCollector, NoLevel, NoPeriod, SetError, UsageError, WhichDaemon,
 };

@@ -52,6 +52,11 @@ impl RpcError {
         Self::new(StatusCode::INTERNAL_SERVER_ERROR, Code::Internal, message)
     }
 
+    /// What another process of this daemon refused.
+    pub fn passed_on(status: StatusCode, reason: Reason) -> Self {
+        Self { status, reason }
+    }
+
     /// Status of the response.
     pub fn status(&self) -> StatusCode {
         self.status

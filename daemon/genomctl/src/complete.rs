@@ -68,6 +68,8 @@ pub(crate) enum Names {
     Movable,
     /// Middlewares.
     Backends,
+    /// Cells.
+    Cells,
 }
 
 impl From<Names> for ArgValueCompleter {
@@ -208,6 +210,10 @@ impl Line {
                 let mut all = components(session).await?;
                 all.extend(ports(session, |_| true).await?);
                 all
+            }
+            Names::Cells => {
+                let all = session.ask(routes::cells()).await.ok()?.content.cells;
+                all.into_iter().map(|one| (one.name, Some(one.components.join(", ")))).collect()
             }
             Names::Policies | Names::Codes => Vec::new(),
             Names::Backends => {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Parser, ValueHint};
 use genom_configuration::{ClockKind, Config};
+use genom_protocol::RestartPolicy;
 
 /// Runs GenoM3 components: libraries of codels with their descriptions, on a middleware chosen
 /// here.
@@ -47,6 +48,20 @@ pub(crate) struct Cli {
     /// nor beside it.
     #[arg(long = "gen", value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) gen_file: Option<PathBuf>,
+    /// Run the components given here in this cell: a process that they share, so that a fault of
+    /// theirs takes nothing else down.
+    #[arg(long, value_name = "CELL")]
+    pub(crate) cell: Option<String>,
+    /// Run each component given here in a cell of its own, of its name.
+    #[arg(long, conflicts_with = "cell")]
+    pub(crate) isolated: bool,
+    /// Whether they are brought up again when the process of their cell has ended
+    /// [default: on-failure].
+    #[arg(long, value_name = "POLICY")]
+    pub(crate) restart: Option<RestartPolicy>,
+    /// Run as this cell of the daemon that wrote the configuration.
+    #[arg(long, value_name = "CELL", hide = true, requires = "config")]
+    pub(crate) run_cell: Option<String>,
     /// Directory to search for components; may be repeated, takes precedence over GENOM_PATH.
     #[arg(long, value_name = "DIRECTORY", value_hint = ValueHint::DirPath)]
     pub(crate) path: Vec<PathBuf>,

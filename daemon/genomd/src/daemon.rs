@@ -1,15 +1,19 @@
 //! The parts of the daemon: a supervisor of components, and the state of the control plane.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
+use genom_cells::{Cells, Setup, Told};
 use genom_configuration::RpcSettings;
 use genom_doors::{Slots, Streams};
 use genom_supervisor::Supervisor;
 use tokio_util::sync::CancellationToken;
 
 use crate::announcements::Announcements;
+use crate::logs;
 use crate::settings::Settings;
 use crate::startup::Startup;
+use genom_cells::OwnCell;
 
 /// Maximum number of questions to other daemons under way; each may occupy a thread.
 const QUESTIONS: usize = 64;
@@ -18,6 +22,10 @@ const QUESTIONS: usize = 64;
 pub(crate) struct Daemon {
     /// Everything that concerns components.
     pub(crate) supervisor: Arc<Supervisor>,
+    /// Processes of their own for components; none within a cell.
+    pub(crate) cells: Arc<Cells>,
+    /// What makes this a cell of another daemon, when it is one.
+    pub(crate) own_cell: Option<Arc<OwnCell>>,
     /// Name of this daemon in files that describe several.
     pub(crate) name: Option<String>,
     /// Addresses and limits of the control plane.
@@ -38,8 +46,14 @@ impl Daemon {
     /// A daemon without components.
     pub(crate) fn new(settings: &Settings) -> Arc<Self> {
         let (rpc, closed) = (settings.rpc.clone(), CancellationToken::new());
+        let supervisor = Supervisor::new(settings.supervisor.clone());
+        let cells = Arc::new(cells(settings, &supervisor));
+        let known = Arc::clone(&cells);
+        supervisor.connections.look_elsewhere(move |name| known.of(name).is_some());
         Arc::new(Self {
-            supervisor: Supervisor::new(settings.supervisor.clone()),
+            cells,
+            own_cell: settings.own_cell.clone(),
+            supervisor,
             name: settings.name.clone(),
             announcements: Announcements::default(),
             startup: Arc::new(Startup::new()),
@@ -49,4 +63,22 @@ impl Daemon {
             rpc,
         })
     }
+}
+
+/// The cells there may be; what they tell is told on.
+fn cells(settings: &Settings, supervisor: &Supervisor) -> Cells {
+    let bus = Arc::clone(&supervisor.bus);
+    Cells::new(Setup {
+        // Also when the file was replaced by a newer one since.
+        program: PathBuf::from("/proc/self/exe"),
+        socket: settings.rpc.socket.clone(),
+        config: settings.config.clone(),
+        settings: settings.cells.clone(),
+        stop_timeout: settings.supervisor.stop_timeout,
+        hears: Box::new(move |told| match told {
+            Told::Change(change) => bus.tell_on(&change),
+            Told::Log(entry) => logs::past().add(&entry),
+            Told::Cell(change) => bus.tell(&change),
+        }),
+    })
 }

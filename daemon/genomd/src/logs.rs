@@ -16,11 +16,11 @@ use tracing_subscriber::layer::{Context, SubscriberExt as _};
 use tracing_subscriber::util::{SubscriberInitExt as _, TryInitError};
 use tracing_subscriber::{EnvFilter, Layer};
 
-use crate::telemetry;
-
 /// The crates that a filter for `genomd` includes: to users they are one program.
-const PARTS: [&str; 6] = [
+const PARTS: [&str; 8] = [
     "genomd",
+    "genom_cells",
+    "genom_telemetry",
     "genom_doors",
     "genom_supervisor",
     "genom_ports",
@@ -59,7 +59,7 @@ pub(crate) fn start(filter: &str, spans: bool) -> Result<(), LogsError> {
         EnvFilter::try_new(format!("{QUIET},{}", of_all_parts(filter)))
             .map_err(|source| LogsError::Filter { filter: filter.to_owned(), source })
     };
-    let ours = filter_fn(telemetry::is_ours).with_max_level_hint(LevelFilter::INFO);
+    let ours = filter_fn(genom_telemetry::is_ours).with_max_level_hint(LevelFilter::INFO);
     let terminal = tracing_subscriber::fmt::layer()
         // Codels may have redirected descriptor 2, or a client's connection may have it.
         .with_writer(StandardError::get)
@@ -68,7 +68,7 @@ pub(crate) fn start(filter: &str, spans: bool) -> Result<(), LogsError> {
     tracing_subscriber::registry()
         .with(terminal.with_filter(passes()?))
         .with(Keep.with_filter(passes()?))
-        .with(spans.then(|| telemetry::Exported.with_filter(ours)))
+        .with(spans.then(|| genom_telemetry::Exported.with_filter(ours)))
         .try_init()?;
     Ok(())
 }

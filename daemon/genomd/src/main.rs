@@ -15,11 +15,11 @@ mod run;
 mod settings;
 mod signals;
 mod startup;
-mod telemetry;
 
 use std::io::Write as _;
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use clap::{CommandFactory as _, Parser as _};
 use genom_configuration::Config;
@@ -27,6 +27,7 @@ use genom_configuration::Config;
 use crate::cli::Cli;
 use crate::run::Refusal;
 use crate::settings::Settings;
+use genom_cells::OwnCell;
 
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
@@ -69,7 +70,14 @@ fn main() -> ExitCode {
 /// Applies the command line to the configuration file, and checks the result.
 fn settings(cli: Cli) -> Result<Settings, Refusal> {
     let config = Config::read(cli.config.as_deref(), &cli.set).map_err(Refusal::usage)?;
-    let settings = Settings::new(cli, config).map_err(Refusal::usage)?;
+    let cell_file = cli.config.clone().filter(|_| cli.run_cell.is_some());
+    let mut settings = Settings::new(cli, config).map_err(Refusal::usage)?;
+    if let Some(file) = cell_file {
+        let own = OwnCell::new(&file).map_err(Refusal::usage)?;
+        settings.lease = Some(genom_cells::own::take_lease().map_err(Refusal::own)?);
+        settings.deployment = own.before();
+        settings.own_cell = Some(Arc::new(own));
+    }
     logs::start(&settings.log, settings.collector.is_some()).map_err(Refusal::usage)?;
     genom_registry::check(&settings.supervisor.backend).map_err(Refusal::usage)?;
     genom_registry::check_options(&settings.supervisor.backends).map_err(Refusal::usage)?;

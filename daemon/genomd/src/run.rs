@@ -7,12 +7,13 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
-use genom_configuration::{RpcSettings, Spot};
+use genom_configuration::{ConnectionEntry, LoadRequest, RpcSettings, Spot};
 use genom_doors::{
     Certificates, Desk, Door, Entrance, Listener, Log, Most, Socket, Tokens, acceptor, serve,
 };
 use genom_host::{KeptProcess, StandardError, keep_from_children, keep_off};
 use genom_middleware::{Middleware, Relay};
+use genom_protocol::DeploymentRequest;
 use genom_supervisor::Supervisor;
 use genom_supervisor::deploy::ApplyError;
 use genom_supervisor::deploy::Step;
@@ -26,8 +27,7 @@ use crate::memory;
 use crate::rpc;
 use crate::settings::Settings;
 use crate::signals::Signals;
-use crate::startup::Startup;
-use crate::telemetry;
+use genom_cells::own as own_cell;
 
 /// Why the daemon failed, with its exit status.
 #[derive(Debug)]
@@ -48,7 +48,7 @@ impl Refusal {
     }
 
     /// Status 3: the daemon's own socket or middleware could not be opened.
-    fn own(error: impl std::fmt::Display) -> Self {
+    pub(crate) fn own(error: impl std::fmt::Display) -> Self {
         Self { message: error.to_string(), status: 3 }
     }
 
@@ -149,12 +149,21 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     let daemon = Daemon::new(&settings);
     let supervisor = &daemon.supervisor;
     tokio::spawn(signals.obey(Arc::clone(supervisor), Arc::clone(&tokens)));
-    announce(&daemon, &tokens, Arc::clone(&log));
+    match settings.lease.take().zip(daemon.own_cell.clone()) {
+        // Others reach it through its daemon.
+        Some((lease, own)) => {
+            let then = settings.config.cells.without_daemon;
+            tokio::spawn(own_cell::outlive(lease, then, Arc::clone(supervisor)));
+            let startup = Arc::clone(&daemon.startup);
+            tokio::spawn(own.keep(Arc::clone(supervisor), move || startup.deployed.is_up()));
+        }
+        None => announce(&daemon, &tokens, Arc::clone(&log)),
+    }
     open_backend(supervisor).await?;
     supervisor.watch().map_err(Refusal::own)?;
     let exporter = settings.collector.clone().map(|collector| {
         let name = daemon.name.clone();
-        tokio::spawn(telemetry::export(collector, name, supervisor.closed.clone()))
+        tokio::spawn(genom_telemetry::export(collector, name, supervisor.closed.clone()))
     });
     tokio::spawn(keep_process(KeptProcess::remember()));
 
@@ -216,12 +225,18 @@ async fn open_backend(supervisor: &Arc<Supervisor>) -> Result<(), Refusal> {
 async fn work(daemon: &Daemon, settings: &Settings) -> Result<(), Refusal> {
     let (supervisor, startup) = (&daemon.supervisor, &daemon.startup);
     let mut outcome = Ok(());
-    match load_all(supervisor, startup, settings).await {
+    if daemon.own_cell.is_none() {
+        daemon.cells.adopt().await;
+    }
+    match load_all(daemon, settings).await {
         Ok(rest) => {
             startup.ready.raise();
-            tracing::info!("ready on {}", daemon.rpc.socket.display());
+            // Of a cell, its daemon reports it.
+            if daemon.own_cell.is_none() {
+                tracing::info!("ready on {}", daemon.rpc.socket.display());
+            }
             tokio::select! {
-                refusal = deploy(supervisor, startup, settings, rest) => outcome = Err(refusal),
+                refusal = deploy(daemon, settings, rest) => outcome = Err(refusal),
                 () = supervisor.asked_to_stop() => {}
             }
         }
@@ -232,11 +247,8 @@ async fn work(daemon: &Daemon, settings: &Settings) -> Result<(), Refusal> {
 
 /// Loads the components of the configuration, in order; stops at the first that is refused. Returns
 /// the remaining steps of the deployment.
-async fn load_all(
-    supervisor: &Arc<Supervisor>,
-    startup: &Startup,
-    settings: &Settings,
-) -> Result<Vec<Step>, Refusal> {
+async fn load_all(daemon: &Daemon, settings: &Settings) -> Result<Vec<Step>, Refusal> {
+    let (supervisor, startup) = (&daemon.supervisor, &daemon.startup);
     let steps = supervisor
         .steps_to(&settings.deployment, false)
         .map(|steps| steps.to_take)
@@ -252,6 +264,11 @@ async fn load_all(
         let Step::Load(request) = step else { continue };
         if supervisor.stopping() {
             return Ok(Vec::new());
+        }
+        if let (Some(cell), None) = (&request.cell, &daemon.own_cell) {
+            load_into(daemon, settings, cell, &request).await?;
+            startup.one_is_loaded();
+            continue;
         }
         let (worker, asked) = (Arc::clone(supervisor), request.clone());
         let mut loading = tokio::task::spawn_blocking(move || worker.load(&request));
@@ -275,15 +292,35 @@ async fn load_all(
     Ok(rest)
 }
 
+/// Loads a component into a cell, unless one that a daemon before this one left has it.
+async fn load_into(
+    daemon: &Daemon,
+    settings: &Settings,
+    cell: &str,
+    request: &LoadRequest,
+) -> Result<(), Refusal> {
+    if daemon.cells.of(&request.instance()).is_some() {
+        return Ok(());
+    }
+    let loading = daemon.cells.load(cell, request);
+    let loaded = tokio::select! {
+        loaded = loading => loaded,
+        () = daemon.supervisor.asked_to_stop() => return Ok(()),
+    };
+    let place = || Spot::component(request);
+    loaded.map(drop).map_err(|error| Refusal::component(told(settings, &place(), &error)))
+}
+
 /// Takes the remaining steps of the deployment: connections, which wait for other daemons without a
 /// limit, calls and activities. Returns only if a step is refused.
-async fn deploy(
-    supervisor: &Arc<Supervisor>,
-    startup: &Startup,
-    settings: &Settings,
-    steps: Vec<Step>,
-) -> Refusal {
-    let (worker, connections) = (Arc::clone(supervisor), settings.deployment.connection.clone());
+async fn deploy(daemon: &Daemon, settings: &Settings, steps: Vec<Step>) -> Refusal {
+    let (supervisor, startup) = (&daemon.supervisor, &daemon.startup);
+    let (steps, connections) = match daemon.own_cell {
+        Some(_) => (steps, settings.deployment.connection.clone()),
+        None => own_part(daemon, settings, steps),
+    };
+    let in_cells = deploy_in_cells(daemon, settings);
+    let worker = Arc::clone(supervisor);
     let work = move || {
         let _turn = worker.deploying();
         worker.apply(&steps, None)?;
@@ -293,15 +330,54 @@ async fn deploy(
         }
         Ok::<_, ApplyError>(())
     };
-    match tokio::task::spawn_blocking(work).await {
-        Ok(Ok(())) => {
+    let (own, in_cells) = tokio::join!(tokio::task::spawn_blocking(work), in_cells);
+    match (own, in_cells) {
+        (_, Err(_)) if supervisor.stopping() => std::future::pending().await,
+        (_, Err(refusal)) => refusal,
+        (Ok(Ok(())), Ok(())) => {
             startup.deployed.raise();
             std::future::pending().await
         }
-        Ok(Err(_)) if supervisor.stopping() => std::future::pending().await,
-        Ok(Err(error)) => Refusal::component(told(settings, &error.place, &error)),
-        Err(error) => Refusal::own(error),
+        (Ok(Err(_)), _) if supervisor.stopping() => std::future::pending().await,
+        (Ok(Err(error)), _) => Refusal::component(told(settings, &error.place, &error)),
+        (Err(error), _) => Refusal::own(error),
     }
+}
+
+/// The steps and connections of components that this process runs itself.
+fn own_part(
+    daemon: &Daemon,
+    settings: &Settings,
+    steps: Vec<Step>,
+) -> (Vec<Step>, Vec<ConnectionEntry>) {
+    let own = |name: &str| daemon.cells.of(name).is_none();
+    let steps = steps.into_iter().filter(|step| match step {
+        Step::Connect(entry) => own(entry.reader()),
+        Step::Call(entry) | Step::Start(entry) => own(&entry.component),
+        _ => true,
+    });
+    let connections = settings.deployment.connection.iter();
+    (steps.collect(), connections.filter(|entry| own(entry.reader())).cloned().collect())
+}
+
+/// Has each cell connect, call and start what the configuration says of its components.
+async fn deploy_in_cells(daemon: &Daemon, settings: &Settings) -> Result<(), Refusal> {
+    if daemon.own_cell.is_some() {
+        return Ok(());
+    }
+    let Some(file) = settings.file.clone() else { return Ok(()) };
+    let text = std::fs::read_to_string(&file).map_err(Refusal::own)?;
+    let wanted = DeploymentRequest {
+        text,
+        file,
+        daemon: settings.name.clone(),
+        prune: false,
+        dry_run: false,
+        cell: None,
+        timeout: Some(86_400.0),
+    };
+    let applied = daemon.cells.apply(&daemon.supervisor, &settings.deployment, &wanted).await;
+    applied.map(drop).map_err(Refusal::component)
 }
 
 /// The message, preceded by file, line and key if these are known.
@@ -326,7 +402,8 @@ async fn unload_all(supervisor: &Arc<Supervisor>) -> Result<(), tokio::task::Joi
 async fn stop(daemon: &Daemon) -> Result<(), Refusal> {
     let supervisor = &daemon.supervisor;
     supervisor.ask_to_stop("a component was refused");
-    unload_all(supervisor).await.map_err(|error| {
+    let (unloaded, ()) = tokio::join!(unload_all(supervisor), daemon.cells.stop_all());
+    unloaded.map_err(|error| {
         Refusal::left_behind(format!("stopping the components ended badly: {error}"))
     })?;
     daemon.announcements.withdraw();

@@ -1,17 +1,21 @@
 //! All settings of a run, made from the configuration file and the command line.
 
+use std::os::fd::OwnedFd;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use genom_configuration::{
-    Config, Deployment, LoadRequest, MOST_ACTIVITIES, MemoryCheck, RpcSettings, UsageError, levels,
+    CellSettings, Config, Deployment, LoadRequest, MOST_ACTIVITIES, MemoryCheck, RpcSettings,
+    UsageError, levels,
 };
 use genom_supervisor::settings::Settings as Supervised;
 
 use crate::cli::Cli;
-use crate::telemetry::Collector;
+use genom_cells::OwnCell;
+use genom_telemetry::Collector;
 
 /// All settings of a run.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct Settings {
     /// Path of the configuration file, for messages.
     pub(crate) file: Option<PathBuf>,
@@ -33,6 +37,14 @@ pub(crate) struct Settings {
     pub(crate) rpc: RpcSettings,
     /// Settings that apply to all components.
     pub(crate) supervisor: Supervised,
+    /// When cells are restarted, and given up.
+    pub(crate) cells: CellSettings,
+    /// The configuration that cells run by, too.
+    pub(crate) config: Config,
+    /// What makes this a cell of another daemon, when it is one.
+    pub(crate) own_cell: Option<Arc<OwnCell>>,
+    /// Of a cell: what its daemon holds open as long as it lives.
+    pub(crate) lease: Option<OwnedFd>,
 }
 
 impl Settings {
@@ -40,15 +52,14 @@ impl Settings {
     pub(crate) fn new(cli: Cli, config: Config) -> Result<Self, UsageError> {
         let config = cli.over(config);
         let rpc = RpcSettings::new(config.rpc.clone())?;
+        let cells = CellSettings::new(&config.cells)?;
         config.services.check()?;
         if !(1..=MOST_ACTIVITIES).contains(&config.max_activities) {
             return Err(UsageError::Activities(config.max_activities));
         }
-        let mut components: Vec<_> = cli
-            .components
-            .into_iter()
-            .map(|library| LoadRequest { library, ..LoadRequest::default() })
-            .collect();
+        let restart = cli.restart.unwrap_or_default();
+        let of = |library| LoadRequest { library, restart, ..LoadRequest::default() };
+        let mut components: Vec<_> = cli.components.into_iter().map(of).collect();
         let found = components.len();
         for (option, given) in [("--name", cli.name.is_some()), ("--gen", cli.gen_file.is_some())] {
             if given && found != 1 {
@@ -58,6 +69,10 @@ impl Settings {
         if let Some(only) = components.first_mut().filter(|_| found == 1) {
             only.name = cli.name;
             only.gen_file = cli.gen_file;
+        }
+        for component in &mut components {
+            let own = cli.isolated.then(|| component.instance());
+            component.cell = cli.cell.clone().or(own);
         }
         levels::understood(&config.log).map_err(UsageError::Log)?;
         let deployment = config.deployment(cli.daemon.as_deref());
@@ -78,7 +93,11 @@ impl Settings {
             lock_memory: config.lock_memory,
             check_memory: host(config.check_memory),
             rpc,
-            supervisor: config.into(),
+            cells,
+            own_cell: None,
+            lease: None,
+            supervisor: config.clone().into(),
+            config,
         })
     }
 }

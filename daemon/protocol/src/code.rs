@@ -20,6 +20,8 @@ pub enum Code {
     BadQuery,
     /// Too many sessions are open.
     Busy,
+    /// The process of the component's cell has ended, or is being started.
+    CellDown,
     /// A sealed message was changed on its way.
     Changed,
     /// The in port is already connected to something else.
@@ -50,6 +52,8 @@ pub enum Code {
     NoPlan,
     /// There is no activity of that number, or none of that service.
     NoSuchActivity,
+    /// No cell of that name.
+    NoSuchCell,
     /// There is no component of that name.
     NoSuchComponent,
     /// There is no daemon of that name.

@@ -43,8 +43,8 @@ pub struct Component {
     pub name: String,
     /// Its name in the description.
     pub component: String,
-    /// `running`, `damaged` (its codels wrote past the memory they were given), `stuck in CODEL for
-    /// 12 s`, or `spins in CODEL for 12 s`.
+    /// `running`, `down` (the process of its cell has ended), `damaged` (its codels wrote past the
+    /// memory they were given), `stuck in CODEL for 12 s`, or `spins in CODEL for 12 s`.
     pub state: String,
     /// Codels that count as stuck; absent if none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -57,6 +57,9 @@ pub struct Component {
     /// Middlewares of ports that use others.
     #[serde(default)]
     pub port_backends: BTreeMap<String, BackendNames>,
+    /// The cell that runs it; absent when the daemon itself does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cell: Option<String>,
     /// Path of the library.
     #[cfg_attr(feature = "openapi", schema(value_type = String))]
     pub library: PathBuf,

@@ -1,6 +1,6 @@
 //! Deployments: components, connections, calls and activities as one document.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use serde::{Deserialize, Deserializer, Serialize, de};
@@ -60,6 +60,56 @@ pub struct Deployment {
     /// Activities to start, in order, after the calls.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub activity: Vec<CallEntry>,
+}
+
+impl Deployment {
+    /// What of it belongs to one process of the daemon: to a cell, or with `None` to the daemon's
+    /// own. A component belongs where it says; connections belong to their readers, calls and
+    /// activities to their components, of which those that it does not describe are looked up by
+    /// `here`. What is to run before a component elsewhere is left to who brings all parts about.
+    #[must_use]
+    pub fn part(&self, cell: Option<&str>, here: impl Fn(&str) -> bool) -> Self {
+        let of = |name: &str| self.component.iter().find(|one| one.instance() == name);
+        let mine = |name: &str| {
+            of(name).map_or_else(|| here(name), |component| component.cell.as_deref() == cell)
+        };
+        let mut part = self.clone();
+        part.component.retain(|component| component.cell.as_deref() == cell);
+        for component in &mut part.component {
+            component.after.retain(|name| of(name).is_none() || mine(name));
+        }
+        part.connection.retain(|entry| mine(entry.reader()));
+        part.call.retain(|entry| mine(&entry.component));
+        part.activity.retain(|entry| mine(&entry.component));
+        part
+    }
+
+    /// The cells that it names, each once.
+    #[must_use]
+    pub fn cells(&self) -> BTreeSet<&str> {
+        self.component.iter().filter_map(|component| component.cell.as_deref()).collect()
+    }
+
+    /// What is in it together with what is in another; where both name a component or an in port,
+    /// this one holds.
+    #[must_use]
+    pub fn over(mut self, other: &Self) -> Self {
+        let (mut component, mut connection) = (other.component.clone(), other.connection.clone());
+        component
+            .retain(|one| !self.component.iter().any(|mine| mine.instance() == one.instance()));
+        connection.retain(|one| !self.connection.iter().any(|mine| mine.inport == one.inport));
+        let missing = |mine: &[CallEntry], theirs: &[CallEntry]| {
+            let missing = theirs.iter().filter(|one| !mine.contains(one));
+            missing.cloned().collect::<Vec<_>>()
+        };
+        let (call, activity) =
+            (missing(&self.call, &other.call), missing(&self.activity, &other.activity));
+        self.component.extend(component);
+        self.connection.extend(connection);
+        self.call.extend(call);
+        self.activity.extend(activity);
+        self
+    }
 }
 
 impl ConnectionEntry {
@@ -124,6 +174,9 @@ pub struct DeploymentRequest {
     /// Report the steps without taking them.
     #[serde(default, skip_serializing_if = "is_false")]
     pub dry_run: bool,
+    /// Take only what belongs to this cell: as the daemon asks its cells.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cell: Option<String>,
     /// Seconds that each connection may wait for its other side.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "openapi", schema(minimum = 0, maximum = 86400))]
@@ -167,4 +220,58 @@ pub struct Applied {
     /// Components and connections that the file does not contain and that were kept.
     #[serde(default)]
     pub beside: Vec<String>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn robot() -> Deployment {
+        let component = |name: &str, cell: Option<&str>, after: &[&str]| LoadRequest {
+            name: Some(name.to_owned()),
+            cell: cell.map(str::to_owned),
+            after: after.iter().map(|&name| name.to_owned()).collect(),
+            ..LoadRequest::default()
+        };
+        let connection = |inport: &str| ConnectionEntry {
+            inport: inport.to_owned(),
+            outport: "a/out".to_owned(),
+            policy: None,
+            backend: None,
+        };
+        Deployment {
+            component: vec![
+                component("a", None, &[]),
+                component("b", Some("vision"), &["a", "c"]),
+                component("c", Some("vision"), &[]),
+            ],
+            connection: vec![connection("b/in"), connection("old/in")],
+            ..Deployment::default()
+        }
+    }
+
+    #[test]
+    fn each_process_of_a_daemon_has_its_part_of_a_deployment() {
+        let names = |of: &Deployment| {
+            let names = of.component.iter().map(LoadRequest::instance);
+            names.chain(of.connection.iter().map(|one| one.inport.clone())).collect::<Vec<_>>()
+        };
+        assert_eq!(names(&robot().part(None, |name| name == "old")), ["a", "old/in"]);
+        let vision = robot().part(Some("vision"), |_| false);
+        assert_eq!(names(&vision), ["b", "c", "b/in"]);
+        assert_eq!(vision.component[0].after, ["c"]);
+        assert_eq!(robot().cells(), ["vision"].into());
+    }
+
+    #[test]
+    fn what_is_written_later_holds_over_what_was_there() {
+        let mut newer = robot();
+        newer.component.truncate(1);
+        newer.component[0].restart = crate::RestartPolicy::Always;
+        newer.connection.clear();
+        let both = newer.over(&robot());
+        assert_eq!(both.component.len(), 3);
+        assert_eq!(both.component[0].restart, crate::RestartPolicy::Always);
+        assert_eq!(both.connection.len(), 2);
+    }
 }

@@ -108,6 +108,10 @@ pub enum Change {
     DeploymentStep { step: String, status: StepStatus },
     /// A connection of a deployment is waiting for its other side.
     DeploymentWaits { step: String },
+    /// The process of a cell runs, or one was found that a daemon before this one had started.
+    CellRuns { cell: String, pid: u32, adopted: bool },
+    /// The process of a cell ended without being asked to; it is started again when `restarts`.
+    CellEnded { cell: String, why: String, components: Vec<String>, restarts: bool },
     /// The daemon is stopping.
     Stopping {},
 }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::{BackendNames, QosEntry};
+use crate::{BackendNames, QosEntry, RestartPolicy};
 
 /// A component to load.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
@@ -36,6 +36,13 @@ pub struct LoadRequest {
     /// Middlewares of single ports, by name of the port.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub ports: BTreeMap<String, BackendNames>,
+    /// The cell that is to run it: a process of its own, which components of one cell share. By
+    /// default the daemon itself runs it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cell: Option<String>,
+    /// Whether it is brought up again when the process of its cell has ended.
+    #[serde(default, skip_serializing_if = "RestartPolicy::is_default")]
+    pub restart: RestartPolicy,
     /// Quality of service of its ports.
     #[serde(default, skip_serializing_if = "QosEntry::is_empty")]
     pub qos: QosEntry,

@@ -25,6 +25,12 @@ fn told<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Value>, D::Error> {
 }
 
 impl Outcome {
+    /// The end of a service by an exception.
+    #[must_use]
+    pub fn of_exception(name: &str, detail: Value) -> Self {
+        Self { result: None, exception: Some(name.to_owned()), detail: Some(detail) }
+    }
+
     /// Whether the service ended, with a result or an exception.
     #[must_use]
     pub fn ended(&self) -> bool {

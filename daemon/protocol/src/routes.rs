@@ -16,13 +16,13 @@ use serde_json::Value;
 
 use crate::{
     Aborted, About, Activities, Activity, AllAborted, Answers, Applied, AskParameters,
-    CallParameters, CallReply, Change, ChangeParameters, Clock, Component, Components, Connection,
-    ConnectionRequest, Connections, Daemons, DeploymentRequest, Description, Disconnected, Dumped,
-    Findings, Fired, Inputs, LoadRequest, LogEntry, LogParameters, Logs, LookParameters,
-    MiddlewareParameters, Middlewares, MoveRequest, Moved, Port, PortParameters, PortTraffic,
-    PortType, Ports, Published, Ready, ReadyParameters, RecordingEnds, RecordingRequest, Reloaded,
-    Replayed, Right, Service, Statistics, StepRequest, Stopping, StreamParameters, Unloaded,
-    ValueParameters,
+    CallParameters, CallReply, Cell, CellEnds, Cells, Change, ChangeParameters, Clock, Component,
+    Components, Connection, ConnectionRequest, Connections, Daemons, DeploymentRequest,
+    Description, Disconnected, Dumped, Findings, Fired, Inputs, LoadRequest, LogEntry,
+    LogParameters, Logs, LookParameters, MiddlewareParameters, Middlewares, MoveRequest, Moved,
+    Port, PortParameters, PortTraffic, PortType, Ports, Published, Ready, ReadyParameters,
+    RecordingEnds, RecordingRequest, Reloaded, Replayed, Right, Service, Statistics, StepRequest,
+    Stopping, StreamParameters, Unloaded, ValueParameters,
 };
 
 /// HTTP method.
@@ -59,6 +59,12 @@ pub struct Route<R, Q = (), B = ()> {
     /// Path and query, percent-encoded.
     pub path: String,
     types: PhantomData<fn(Q, B) -> R>,
+}
+
+impl<R, Q, B> Clone for Route<R, Q, B> {
+    fn clone(&self) -> Self {
+        Self { method: self.method, path: self.path.clone(), types: PhantomData }
+    }
 }
 
 impl<R, Q, B> fmt::Debug for Route<R, Q, B> {
@@ -165,6 +171,13 @@ routes! {
     Get component(component) [Read] "/components/{component}", Description;
     /// Unloads a component.
     Delete unload(component) [Admin: kill] "/components/{component}", Unloaded;
+    /// The cells.
+    Get cells() [Read] "/cells", Cells;
+    /// Ends one with all that is in it.
+    Delete end_cell(cell) [Admin] "/cells/{cell}", CellEnds;
+    /// Kills its process, as a fault would; its components come back as their policies say. Of a
+    /// cell that has failed, starts the process again.
+    Post restart_cell(cell) [Admin] "/cells/{cell}/restart", Cell;
     /// The types of a component as JSON Schemas.
     Get schema(component) [Read] "/components/{component}/schema", Value;
     /// Moves a component, or one of its ports, to other middlewares.
@@ -261,6 +274,12 @@ routes! {
 pub fn right_of_standard_service(name: &str) -> Right {
     let found = STANDARD_SERVICES.iter().find(|(service, _)| *service == name);
     found.map_or(Right::Admin, |(_, right)| *right)
+}
+
+/// Whether every component has a service of this name.
+#[must_use]
+pub fn is_standard_service(name: &str) -> bool {
+    STANDARD_SERVICES.iter().any(|(service, _)| *service == name)
 }
 
 /// All characters but the unreserved ones (RFC 3986, 2.3).

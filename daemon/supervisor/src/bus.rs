@@ -68,6 +68,11 @@ impl Bus {
         self.0.add(change);
     }
 
+    /// Tells on a change that another process of this daemon told.
+    pub fn tell_on(&self, change: &Value) {
+        self.0.add(change);
+    }
+
     /// A listener that starts after message number `after`; with `None`, after the latest one.
     pub fn listen(&self, after: Option<u64>) -> Listener {
         self.0.listen(after)

@@ -12,6 +12,7 @@
 )]
 
 mod backends;
+mod cells;
 mod cli;
 mod components;
 mod control_plane;

@@ -230,6 +230,7 @@ mod tests {
             traffic,
         };
         let component = Component {
+            cell: None,
             name: "demo".into(),
             component: "demo".into(),
             state: "running".into(),

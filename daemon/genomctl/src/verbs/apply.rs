@@ -53,6 +53,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
         prune: args.prune,
         dry_run: args.dry_run,
         timeout: Some(args.timeout),
+        cell: None,
     };
     if request.dry_run {
         return session.show(&session.send(routes::apply(), &request).await?, render);

@@ -10,7 +10,7 @@ use crate::escape;
 use crate::failure::Failure;
 use crate::names::address;
 use crate::session::Session;
-use crate::sse::Event;
+use genom_protocol::sse::Event;
 
 /// Print the values of a port as they arrive, one per line, until Ctrl-C.
 ///

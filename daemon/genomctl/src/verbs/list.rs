@@ -10,6 +10,9 @@ use crate::table::Table;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {}
 
+/// Where the column of cells stands.
+const CELL: usize = 3;
+
 pub(super) async fn run(_: Args, session: &Session) -> Result<(), Failure> {
     let reply = session.ask(routes::components()).await?;
     session.show_table(&reply, render)
@@ -35,5 +38,14 @@ fn render(reply: &Components) -> Table {
     let mut rows: Vec<_> = reply.components.iter().map(row).collect();
     rows.extend(reply.loading.iter().map(loading));
     rows.extend(reply.left_behind.iter().map(left));
-    Table { header: vec!["NAME", "COMPONENT", "STATE", "BACKEND", "ACTIVITIES", "LIBRARY"], rows }
+    let mut header = vec!["NAME", "COMPONENT", "STATE", "BACKEND", "ACTIVITIES", "LIBRARY"];
+    // A column of their own only where there are cells.
+    if reply.components.iter().any(|component| component.cell.is_some()) {
+        header.insert(CELL, "CELL");
+        let cells = reply.components.iter().map(|component| component.cell.clone());
+        for (row, cell) in rows.iter_mut().zip(cells.chain(std::iter::repeat(None))) {
+            row.insert(CELL, cell.unwrap_or_else(none));
+        }
+    }
+    Table { header, rows }
 }

@@ -3,7 +3,7 @@
 use clap_complete::engine::{ArgValueCompleter, PathCompleter};
 use std::path::{Path, PathBuf};
 
-use genom_protocol::{BackendNames, Component, LoadRequest, routes};
+use genom_protocol::{BackendNames, Component, LoadRequest, RestartPolicy, routes};
 
 use crate::complete::Names;
 use crate::failure::Failure;
@@ -24,6 +24,16 @@ pub(crate) struct Args {
     /// Middleware of its ports [default: that of the daemon].
     #[arg(long, add = ArgValueCompleter::from(Names::Backends))]
     backend: Option<String>,
+    /// Run it in this cell: a process that components of one cell share, so that a fault of theirs
+    /// takes nothing else down.
+    #[arg(long, value_name = "CELL", add = ArgValueCompleter::from(Names::Cells))]
+    cell: Option<String>,
+    /// Run it in a cell of its own, of its name.
+    #[arg(long, conflicts_with = "cell")]
+    isolated: bool,
+    /// Whether it is brought up again when the process of its cell has ended [default: on-failure].
+    #[arg(long, value_name = "POLICY")]
+    restart: Option<RestartPolicy>,
 }
 
 /// Whether a path can be completed: libraries, descriptions, and directories.
@@ -33,13 +43,18 @@ fn is_component(path: &Path) -> bool {
 }
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let request = LoadRequest {
+    let mut request = LoadRequest {
         library: absolute(&args.library)?,
         gen_file: args.gen_file.as_deref().map(absolute).transpose()?,
         name: args.name,
         backend: args.backend.as_deref().map(BackendNames::from),
+        cell: args.cell,
+        restart: args.restart.unwrap_or_default(),
         ..LoadRequest::default()
     };
+    if args.isolated {
+        request.cell = Some(request.instance());
+    }
     let reply = session.send(routes::load(), &request).await?;
     session.show(&reply, render)
 }
@@ -58,6 +73,7 @@ fn absolute(path: &Path) -> Result<PathBuf, Failure> {
 }
 
 fn render(reply: &Component) -> String {
-    let Component { name, component, backend, .. } = reply;
-    format!("{name} runs (component {component}, backend {backend})\n")
+    let Component { name, component, backend, cell, .. } = reply;
+    let cell = cell.as_ref().map_or(String::new(), |cell| format!(", cell {cell}"));
+    format!("{name} runs (component {component}, backend {backend}{cell})\n")
 }

@@ -7,6 +7,7 @@ mod backend;
 mod backends;
 mod bw;
 mod call;
+mod cells;
 mod check;
 mod completion;
 mod connect;
@@ -85,6 +86,7 @@ pub(crate) enum Verb {
     Connections(connections::Args),
     Load(load::Args),
     Unload(unload::Args),
+    Cells(cells::Args),
     Fire(fire::Args),
     Events(events::Args),
     Stats(stats::Args),
@@ -155,6 +157,7 @@ pub(crate) async fn run(
         Verb::Disconnect(args) => disconnect::run(args, session).await,
         Verb::Connections(args) => connections::run(args, session).await,
         Verb::Load(args) => load::run(args, session).await,
+        Verb::Cells(args) => cells::run(args, session).await,
         Verb::Unload(args) => unload::run(args, session).await,
         Verb::Fire(args) => fire::run(args, session).await,
         Verb::Events(args) => events::run(args, session).await,

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
+use genom_cells::Cells;
 use genom_doors::{Parameters, RpcError};
 use genom_protocol::{Aborted, AbortedActivity, Activities, AllAborted, Code, LookParameters};
 use genom_supervisor::Supervisor;
@@ -117,11 +118,17 @@ pub(crate) async fn abort_all(
     tag = "activities",
     responses((status = 200, body = AllAborted))
 )]
-pub(crate) async fn stop(State(supervisor): State<Arc<Supervisor>>) -> Json<AllAborted> {
+pub(crate) async fn stop(
+    State(supervisor): State<Arc<Supervisor>>,
+    State(cells): State<Arc<Cells>>,
+) -> Json<AllAborted> {
     let all = supervisor.components.all();
     let aborted: Vec<AbortedActivity> = all.iter().flat_map(|hosted| aborted(hosted)).collect();
-    tracing::info!("all activities were told to stop: {} ran", aborted.len());
-    Json(AllAborted { aborted })
+    drop(all);
+    let mut all = AllAborted { aborted };
+    cells.join_stopped(&mut all).await;
+    tracing::info!("all activities were told to stop: {} ran", all.aborted.len());
+    Json(all)
 }
 
 fn aborted(hosted: &Hosted) -> Vec<AbortedActivity> {

@@ -5,10 +5,13 @@ use std::time::Duration;
 
 use axum::Json;
 use axum::extract::State;
+use genom_cells::Cells;
 use genom_doors::{Body, RpcError};
 use genom_protocol::{ClockKind, Code, StepRequest};
 use genom_runtime::Clock;
 use genom_supervisor::Supervisor;
+
+use crate::rpc::cells;
 
 /// The longest step; more time takes several steps.
 const LONGEST: Duration = Duration::from_nanos(StepRequest::LONGEST);
@@ -34,6 +37,7 @@ pub(crate) async fn look(State(supervisor): State<Arc<Supervisor>>) -> Json<geno
 )]
 pub(crate) async fn step(
     State(supervisor): State<Arc<Supervisor>>,
+    State(joined): State<Arc<Cells>>,
     Body(StepRequest { nanoseconds }): Body<StepRequest>,
 ) -> Result<Json<genom_protocol::Clock>, RpcError> {
     let Clock::Virtual(clock) = supervisor.clock.clone() else {
@@ -47,6 +51,7 @@ pub(crate) async fn step(
             format!("a step of {duration:?} is too long: {} s are the most", LONGEST.as_secs());
         return Err(RpcError::bad_input(message).place("/nanoseconds"));
     }
+    joined.step(&StepRequest { nanoseconds }).await.map_err(cells::not_done)?;
     // Codels run in the thread that steps the clock.
     tokio::task::spawn_blocking(move || clock.step(duration))
         .await

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
+use genom_cells::Cells;
 use genom_description_tools as tools;
 use genom_doors::{Body, RpcError};
 use genom_protocol::{Code, Component, Components, Description, LeftBehind, LoadRequest, Unloaded};
@@ -15,8 +16,10 @@ use genom_supervisor::components::{Components as Running, Hosted, UnloadError};
 use genom_supervisor::loading::LoadError;
 use serde_json::Value;
 
-use crate::rpc::codels;
+use crate::daemon::Daemon;
+use crate::rpc::{cells, codels};
 use crate::startup::Startup;
+use genom_cells::own as own_cell;
 
 /// The running component of that name.
 pub(super) fn find(all: &Running, name: &str) -> Result<Arc<Hosted>, RpcError> {
@@ -42,6 +45,7 @@ pub(super) fn find(all: &Running, name: &str) -> Result<Arc<Hosted>, RpcError> {
 pub(crate) async fn list(
     State(supervisor): State<Arc<Supervisor>>,
     State(startup): State<Arc<Startup>>,
+    State(cells): State<Arc<Cells>>,
 ) -> Json<Components> {
     let components = supervisor.components.all().iter().map(|hosted| summary(hosted)).collect();
     let left_behind = supervisor.components.left_behind().into_iter().map(|remnant| {
@@ -52,7 +56,9 @@ pub(crate) async fn list(
         LeftBehind { was: remnant.was, component: remnant.component, state }
     });
     let loading = loading(supervisor.components.loading(), startup.to_load());
-    Json(Components { components, loading, left_behind: left_behind.collect() })
+    let mut all = Components { components, loading, left_behind: left_behind.collect() };
+    cells.join_components(&mut all).await;
+    Json(all)
 }
 
 /// Those that are being loaded, and then those of the start that are still to be.
@@ -123,16 +129,39 @@ pub(crate) async fn schema(
     responses((status = 201, body = Component), (status = 404), (status = 409), (status = 422))
 )]
 pub(crate) async fn load(
-    State(supervisor): State<Arc<Supervisor>>,
-    Body(request): Body<LoadRequest>,
+    State(daemon): State<Arc<Daemon>>,
+    Body(mut request): Body<LoadRequest>,
 ) -> Result<(StatusCode, Json<Component>), RpcError> {
-    let worker = Arc::clone(&supervisor);
+    if daemon.cells.of(&request.instance()).is_some() {
+        return Err(refused(&LoadError::Taken(request.instance())));
+    }
+    match (&daemon.own_cell, request.cell.clone()) {
+        (None, Some(cell)) => return load_into(&daemon, &cell, &request).await,
+        (Some(_), _) => own_cell::share(&mut request),
+        (None, None) => {}
+    }
+    let supervisor = &daemon.supervisor;
+    let worker = Arc::clone(supervisor);
     let loaded = tokio::task::spawn_blocking(move || worker.load(&request)).await;
     match loaded {
         Ok(Ok(hosted)) => Ok((StatusCode::CREATED, Json(summary(&hosted)))),
         Ok(Err(error)) => Err(refused(&error)),
         Err(error) => Err(RpcError::internal(error.to_string())),
     }
+}
+
+/// Loads a component into a cell.
+async fn load_into(
+    daemon: &Daemon,
+    cell: &str,
+    request: &LoadRequest,
+) -> Result<(StatusCode, Json<Component>), RpcError> {
+    if daemon.supervisor.components.get(&request.instance()).is_some() {
+        return Err(refused(&LoadError::Taken(request.instance())));
+    }
+    let mut loaded = daemon.cells.load(cell, request).await.map_err(cells::refused)?;
+    loaded.cell = Some(cell.to_owned());
+    Ok((StatusCode::CREATED, Json(loaded)))
 }
 
 /// Stop a component's activities and tasks, and close its library.
@@ -144,8 +173,13 @@ pub(crate) async fn load(
 )]
 pub(crate) async fn unload(
     State(supervisor): State<Arc<Supervisor>>,
+    State(cells): State<Arc<Cells>>,
     Path(component): Path<String>,
 ) -> Result<Json<Unloaded>, RpcError> {
+    if let Some(cell) = cells.of(&component) {
+        let unloaded = cells.unload(&cell, &component).await;
+        return unloaded.map(Json).map_err(cells::refused);
+    }
     find(&supervisor.components, &component)?;
     let worker = Arc::clone(&supervisor);
     match tokio::task::spawn_blocking(move || worker.unload(&component)).await {
@@ -181,6 +215,7 @@ fn summary(hosted: &Hosted) -> Component {
         spins: spins.iter().map(codels::spin).collect(),
         backend: bindings.component(),
         port_backends: bindings.ports(),
+        cell: None,
         library: hosted.library.clone(),
         activities: hosted.activities.running(),
         remotes: hosted.model().remotes.iter().map(|remote| remote.name.clone()).collect(),

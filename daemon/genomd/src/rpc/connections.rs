@@ -5,6 +5,7 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
+use genom_cells::Cells;
 use genom_configuration::terms;
 use genom_doors::{Body, RpcError};
 use genom_protocol::{
@@ -15,6 +16,7 @@ use genom_supervisor::Supervisor;
 use genom_supervisor::connections::{self, ConnectError, Patience};
 use genom_supervisor::ties::Connection;
 
+use crate::rpc;
 use crate::rpc::held_up::held_up;
 use crate::rpc::{components, ports};
 
@@ -25,8 +27,14 @@ use crate::rpc::{components, ports};
     tag = "wiring",
     responses((status = 200, body = Connections))
 )]
-pub(crate) async fn list(State(supervisor): State<Arc<Supervisor>>) -> Json<Connections> {
-    Json(Connections { connections: supervisor.connections.all().iter().map(told).collect() })
+pub(crate) async fn list(
+    State(supervisor): State<Arc<Supervisor>>,
+    State(cells): State<Arc<Cells>>,
+) -> Json<Connections> {
+    let connections = supervisor.connections.all().iter().map(told).collect();
+    let mut all = Connections { connections };
+    cells.join_connections(&mut all).await;
+    Json(all)
 }
 
 /// Connect an in port to an out port, or a remote to a service.
@@ -44,8 +52,14 @@ pub(crate) async fn list(State(supervisor): State<Arc<Supervisor>>) -> Json<Conn
 )]
 pub(crate) async fn connect(
     State(supervisor): State<Arc<Supervisor>>,
+    State(cells): State<Arc<Cells>>,
     Body(wanted): Body<ConnectionRequest>,
 ) -> Result<(StatusCode, Json<Made>), RpcError> {
+    let reader = wanted.inport.split('/').next().unwrap_or_default();
+    if let Some(cell) = cells.of(reader) {
+        let made = cells.connect(&supervisor, &cell, &wanted).await;
+        return made.map(|made| (StatusCode::CREATED, Json(made))).map_err(rpc::cells::refused);
+    }
     let read = |text: &String| {
         let read = text.parse().map(terms::policy);
         read.map_err(|error: NoPolicy| RpcError::bad_input(error.to_string()).place("/policy"))

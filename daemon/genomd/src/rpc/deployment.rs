@@ -7,6 +7,7 @@ use std::time::Duration;
 use axum::extract::State;
 use axum::http::StatusCode;
 use axum::{Extension, Json};
+use genom_cells::Cells;
 use genom_configuration::{Config, ConfigError, Deployment, Right, Spot};
 use genom_doors::{Body, Holder, RpcError};
 use genom_protocol::{Applied, Code, DeploymentRequest, Dumped, RunningDeployment};
@@ -15,6 +16,8 @@ use genom_supervisor::deploy::{ApplyError, Contradiction, Step, StepError, Steps
 use serde_json::{Map, Value};
 
 use crate::daemon::Daemon;
+use crate::rpc::cells;
+use genom_cells::own as own_cell;
 
 /// Default of `timeout`, in seconds.
 const PATIENCE: f64 = 10.0;
@@ -33,6 +36,7 @@ const LONGEST: Duration = Duration::from_secs(86_400);
 )]
 pub(crate) async fn dump(
     State(supervisor): State<Arc<Supervisor>>,
+    State(cells): State<Arc<Cells>>,
     Extension(holder): Extension<Holder>,
 ) -> Result<Json<Dumped>, RpcError> {
     let backends = match holder.may(Right::Admin, "") {
@@ -40,7 +44,8 @@ pub(crate) async fn dump(
         Err(_) => BTreeMap::new(),
     };
     let (backend, runs) = (supervisor.settings.backend.clone(), supervisor.dump());
-    let deployment = RunningDeployment { backend, backends, runs };
+    let mut deployment = RunningDeployment { backend, backends, runs };
+    cells.join_deployment(&mut deployment).await;
     let text =
         toml::to_string(&deployment).map_err(|error| RpcError::internal(error.to_string()))?;
     Ok(Json(Dumped { deployment, text }))
@@ -65,7 +70,25 @@ pub(crate) async fn apply(
         RpcError::bad_input(message).place("/timeout")
     })?;
     let supervisor = Arc::clone(&daemon.supervisor);
-    let deployment = read(daemon.name.as_deref(), &wanted)?;
+    let whole = read(daemon.name.as_deref(), &wanted)?;
+    // What names no component of any process is a mistake, which the daemon itself reports.
+    let here = |name: &str| match &daemon.own_cell {
+        Some(_) => supervisor.components.get(name).is_some(),
+        None => daemon.cells.of(name).is_none(),
+    };
+    let mut deployment = whole.part(wanted.cell.as_deref(), here);
+    if daemon.own_cell.is_some() {
+        deployment.component.iter_mut().for_each(own_cell::share);
+    }
+    let front = daemon.own_cell.is_none();
+    if front && !wanted.dry_run {
+        let loading = daemon.cells.load_missing(&supervisor, &whole).await;
+        loading.map_err(|(request, error)| {
+            let place = Spot::component(request).key(["cell"]);
+            RpcError::conflict(Code::NotApplied, placed(&place, &wanted, &error))
+        })?;
+    }
+    let elsewhere = wanted.clone();
     let work = move || {
         let _turn = supervisor.deploying();
         let Steps { to_take: steps, beside } = supervisor
@@ -85,10 +108,17 @@ pub(crate) async fn apply(
         let (applied, beside) = (!wanted.dry_run, beside.collect());
         Ok((StatusCode::OK, Json(Applied { steps, applied, beside })))
     };
-    match tokio::task::spawn_blocking(work).await {
-        Ok(outcome) => outcome,
-        Err(error) => Err(RpcError::internal(error.to_string())),
+    let own = tokio::task::spawn_blocking(work).await;
+    let (status, Json(mut applied)) =
+        own.map_err(|error| RpcError::internal(error.to_string()))??;
+    if front {
+        let applied_there = daemon.cells.apply(&daemon.supervisor, &whole, &elsewhere).await;
+        for theirs in applied_there.map_err(cells::refused)? {
+            applied.steps.extend(theirs.steps);
+            applied.beside.extend(theirs.beside);
+        }
     }
+    Ok((status, Json(applied)))
 }
 
 /// Options of middlewares, converted from TOML to JSON.

@@ -10,6 +10,7 @@
 
 mod activities;
 mod backends;
+mod cells;
 mod clock;
 mod codels;
 mod components;
@@ -37,7 +38,10 @@ mod why;
 
 use std::sync::Arc;
 
+use axum::extract::{Request, State};
 use axum::http::{StatusCode, Uri};
+use axum::middleware::{Next, from_fn_with_state};
+use axum::response::Response;
 use axum::{Extension, Router};
 use genom_doors::{Door, Rights, RpcError, Tokens, guard};
 use genom_protocol::Code;
@@ -55,6 +59,9 @@ fn routes() -> OpenApiRouter<Parts> {
         .routes(routes!(components::list, components::load))
         .routes(routes!(components::describe, components::unload))
         .routes(routes!(components::schema))
+        .routes(routes!(cells::list))
+        .routes(routes!(cells::end))
+        .routes(routes!(cells::restart))
         .routes(routes!(backends::change))
         .routes(routes!(services::describe, services::call))
         .routes(routes!(activities::list, activities::abort_all))
@@ -98,12 +105,30 @@ pub(crate) fn router(daemon: &Arc<Daemon>, tokens: &Arc<Tokens>, door: Door) -> 
     document::complete(&mut document);
     let router = router
         .fallback(no_such_path)
+        .layer(from_fn_with_state(Arc::clone(daemon), note))
+        .layer(from_fn_with_state(Arc::clone(&daemon.cells), cells::pass_on))
         .layer(Extension(Document::new(&document)))
         .layer(Extension(Arc::clone(tokens)))
         .with_state(Parts(Arc::clone(daemon)));
     let rows = genom_protocol::routes::all();
     let rights = Rights::of(rows.iter().map(|row| (row.method, row.template, row.right)));
     guard(router, rights, door, daemon.rpc.max_body)
+}
+
+/// In a cell, what a request changed is written down before it is answered.
+async fn note(State(daemon): State<Arc<Daemon>>, request: Request, next: Next) -> Response {
+    let changes = !request.method().is_safe();
+    let response = next.run(request).await;
+    if changes
+        && response.status().is_success()
+        && let Some(own) = daemon.own_cell.clone()
+    {
+        let writing = tokio::task::spawn_blocking(move || {
+            own.write(&daemon.supervisor, daemon.startup.deployed.is_up());
+        });
+        let _ = writing.await;
+    }
+    response
 }
 
 async fn no_such_path(uri: Uri) -> RpcError {

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use axum::extract::FromRef;
+use genom_cells::Cells;
 use genom_doors::Streams;
 use genom_supervisor::Supervisor;
 
@@ -28,6 +29,12 @@ impl FromRef<Parts> for Arc<Startup> {
 impl FromRef<Parts> for Streams {
     fn from_ref(parts: &Parts) -> Self {
         parts.0.streams.clone()
+    }
+}
+
+impl FromRef<Parts> for Arc<Cells> {
+    fn from_ref(parts: &Parts) -> Self {
+        Self::clone(&parts.0.cells)
     }
 }
 

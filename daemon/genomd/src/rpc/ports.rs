@@ -5,6 +5,7 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
+use genom_cells::Cells;
 use genom_description::model;
 use genom_description::model::PortIx;
 use genom_doors::{Body, Parameters, RpcError};
@@ -33,11 +34,15 @@ use crate::rpc::held_up::held_up;
 )]
 pub(crate) async fn all(
     State(supervisor): State<Arc<Supervisor>>,
+    State(cells): State<Arc<Cells>>,
     Parameters(parameters): Parameters<PortParameters>,
 ) -> Json<Ports> {
     let components = supervisor.components.all();
     let described = |hosted: &Arc<Hosted>| described(hosted, &parameters);
-    Json(Ports { ports: components.iter().flat_map(described).collect() })
+    let mut all = Ports { ports: components.iter().flat_map(described).collect() };
+    drop(components);
+    cells.join_ports(&mut all, &parameters).await;
+    Json(all)
 }
 
 /// List the ports of a component.

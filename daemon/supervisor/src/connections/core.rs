@@ -8,6 +8,7 @@ use genom_middleware::{Middleware, Policy};
 use genom_registry::Backends;
 
 use super::declared::Declared;
+use super::elsewhere::Elsewhere;
 use super::error::Kind;
 use super::opening::Opening;
 use crate::bus::Bus;
@@ -28,6 +29,7 @@ pub struct Connections {
     pub(super) opening: Opening,
     pub(super) offers: Arc<Offers>,
     pub(super) declared: Arc<Declared>,
+    pub(super) elsewhere: Elsewhere,
 }
 
 /// A connection to make.
@@ -110,6 +112,7 @@ impl Connections {
             opening,
             offers: Arc::new(offers),
             declared: Arc::default(),
+            elsewhere: Elsewhere::default(),
         }
     }
 

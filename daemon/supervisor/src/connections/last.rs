@@ -70,16 +70,11 @@ impl LastValue {
             let port = PortSpec::new(address, ty);
             let Ok(mut reader) = middleware.subscription(&port, Policy::Latest) else { continue };
             let network = middleware.capabilities().cross_host;
-            let end = Instant::now() + if network { NETWORK } else { MACHINE };
-            let mut value = Record::new(ty);
-            while reader.read(&mut value) != Ok(Reading::New) {
-                if Instant::now() >= end {
-                    break;
-                }
-                std::thread::park_timeout(LOOK_AGAIN);
+            let patience = if network { NETWORK } else { MACHINE };
+            if let Some(value) = sample(reader.as_mut(), ty, patience) {
+                (self.value, self.back) = (Some(value), Some(reader));
+                return;
             }
-            (self.value, self.back) = (Some(value), Some(reader));
-            return;
         }
     }
 
@@ -100,5 +95,49 @@ impl LastValue {
                 there
             }
         }
+    }
+}
+
+/// The next sample; none if it does not arrive within this time.
+fn sample(reader: &mut dyn Subscription, ty: &DataType, patience: Duration) -> Option<Record> {
+    let end = Instant::now() + patience;
+    let mut value = Record::new(ty);
+    while reader.read(&mut value) != Ok(Reading::New) {
+        if Instant::now() >= end {
+            return None;
+        }
+        std::thread::park_timeout(LOOK_AGAIN);
+    }
+    Some(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use genom_middleware::ReadError;
+    use genom_types::{Kind, TypeTable};
+
+    use super::*;
+
+    /// A subscription to what nobody publishes.
+    struct Silent;
+
+    impl Subscription for Silent {
+        fn read(&mut self, _: &mut Record) -> Result<Reading, ReadError> {
+            Ok(Reading::Never)
+        }
+
+        fn dropped(&self) -> u64 {
+            0
+        }
+    }
+
+    #[test]
+    fn a_last_value_that_does_not_arrive_is_none_and_not_zeros() {
+        let mut types = TypeTable::default();
+        let id = types.add(Kind::Double);
+        let ty = DataType::new(&Arc::new(types), id).unwrap();
+        assert!(sample(&mut Silent, &ty, Duration::ZERO).is_none());
     }
 }

@@ -6,6 +6,7 @@
 mod calls;
 mod core;
 mod declared;
+mod elsewhere;
 mod error;
 mod facade;
 pub mod feed;
@@ -17,6 +18,7 @@ mod opening;
 mod port;
 mod serve;
 mod service;
+mod share;
 
 pub use core::{Connections, Patience, Wanted};
 pub use error::{ConnectError, Kind};

@@ -12,6 +12,7 @@ use genom_runtime::HeldUp;
 use genom_types::DataType;
 
 use super::core::{Connections, LOOK_AGAIN, Wanted};
+use super::elsewhere::SHARED;
 use super::error::{ConnectError, Kind};
 use super::find::{Outlet, publishes, split, visible};
 use crate::bus::Change;
@@ -160,6 +161,9 @@ impl Connections {
         let shows = |name: &&String| {
             self.backends.get(name).is_ok_and(|on| publishes(on.as_ref(), outport))
         };
+        if self.elsewhere.holds(&outport.instance) {
+            return ours.names().iter().find(shows).map_or(SHARED, String::as_str).to_owned();
+        }
         match ours.names() {
             [_] => ours.first().to_owned(),
             several => several.iter().find(shows).map_or(ours.first(), String::as_str).to_owned(),

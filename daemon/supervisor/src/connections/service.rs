@@ -14,6 +14,7 @@ use genom_types::DataType;
 
 use super::calls::{DirectCall, FarCall};
 use super::core::{Connections, LOOK_AGAIN, Patience, Wanted};
+use super::elsewhere::SHARED;
 use super::error::{ConnectError, Kind};
 use super::find::{Outlet, visible};
 use super::serve::kind_of;
@@ -132,6 +133,9 @@ impl Connections {
             if can.services && can.cross_process {
                 all.push(middleware);
             }
+        }
+        if all.is_empty() && self.elsewhere.holds(&at.instance) {
+            all.push(self.backends.get(SHARED)?);
         }
         if all.is_empty() {
             let components = self.components.all();

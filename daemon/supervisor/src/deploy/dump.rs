@@ -43,6 +43,20 @@ pub(super) fn dump(components: &Components, connections: &Connections) -> Deploy
     all
 }
 
+/// The same with only those activities that a deployment started: what runs again after a fault.
+/// Whoever started another activity was told of its end, and decides whether to start it again.
+pub(super) fn declared(components: &Components, connections: &Connections) -> Deployment {
+    let mut all = dump(components, connections);
+    all.activity.retain(|entry| {
+        let hosted = components.get(&entry.component);
+        hosted.is_some_and(|hosted| {
+            let deployed = hosted.standing.all_deployed();
+            deployed.iter().any(|(service, _)| *service == entry.service)
+        })
+    });
+    all
+}
+
 /// The request that loads a component as it is now.
 pub(super) fn component(hosted: &Hosted) -> LoadRequest {
     let bindings = &hosted.ties.bindings;

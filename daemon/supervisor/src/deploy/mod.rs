@@ -18,6 +18,7 @@ use std::time::Duration;
 use genom_configuration::Deployment;
 
 use self::steps::Present;
+use crate::settings::Settings;
 use crate::supervisor::Supervisor;
 
 impl Supervisor {
@@ -28,6 +29,13 @@ impl Supervisor {
         dump::dump(&self.components, &self.connections)
     }
 
+    /// The same with only those activities that a deployment started: what runs again after a
+    /// fault.
+    #[must_use]
+    pub fn declared(&self) -> Deployment {
+        dump::declared(&self.components, &self.connections)
+    }
+
     /// Computes the steps from what runs to a deployment. With `prune`, what the deployment does not
     /// contain is removed.
     ///
@@ -35,7 +43,8 @@ impl Supervisor {
     /// The deployment contradicts itself or what runs.
     pub fn steps_to(&self, wanted: &Deployment, prune: bool) -> Result<Steps, Contradiction> {
         let (components, connections) = (&self.components, &self.connections);
-        let present = Present { components, connections, backend: &self.settings.backend };
+        let Settings { backend, path, .. } = &self.settings;
+        let present = Present { components, connections, backend, path };
         steps::steps(present, wanted, prune)
     }
 

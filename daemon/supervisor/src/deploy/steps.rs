@@ -1,11 +1,14 @@
 //! Computes the steps from what runs to a deployment.
 
+use std::path::PathBuf;
+
 use genom_nearest::suggest;
 use serde_json::Value;
 
 use super::step::Step;
 use crate::components::{Components, Hosted};
 use crate::connections::Connections;
+use crate::loading::locate::locate;
 use crate::ties::Connection;
 use genom_configuration::{
     BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest, Spot,
@@ -61,6 +64,8 @@ pub(super) struct Present<'a> {
     pub(super) connections: &'a Connections,
     /// Default middleware, for components that name none.
     pub(super) backend: &'a str,
+    /// The component path.
+    pub(super) path: &'a [PathBuf],
 }
 
 /// Computes the steps. With `prune`, what the deployment does not contain is removed.
@@ -107,7 +112,7 @@ fn wanted_steps(
         let name = request.instance();
         match present.components.get(&name) {
             None => steps.push(Step::Load(Box::new(request.clone()))),
-            Some(hosted) => adapt(&hosted, request, present.backend, &mut steps)?,
+            Some(hosted) => adapt(&hosted, request, present, &mut steps)?,
         }
     }
     let known = |instance: &str| {
@@ -203,15 +208,25 @@ fn ordered(all: &[LoadRequest]) -> Result<Vec<&LoadRequest>, Contradiction> {
     Ok(order)
 }
 
+/// Whether a component runs from the library that a request names, however it names it.
+fn is_library(hosted: &Hosted, request: &LoadRequest, path: &[PathBuf]) -> bool {
+    if hosted.request.library == request.library || hosted.library == request.library {
+        return true;
+    }
+    let found = locate(request, path).ok().map(|found| found.library);
+    let found = found.and_then(|library| std::path::absolute(library).ok());
+    found.is_some_and(|library| library == hosted.library)
+}
+
 /// Steps for a component that is running already.
 fn adapt(
     hosted: &Hosted,
     request: &LoadRequest,
-    backend: &str,
+    present: Present<'_>,
     steps: &mut Vec<Step>,
 ) -> Result<(), Contradiction> {
     let name = hosted.name.clone();
-    if hosted.request.library != request.library && hosted.library != request.library {
+    if !is_library(hosted, request, present.path) {
         let place = Spot::component(request).key(["library"]);
         return Err(Contradiction::Other { name, place });
     }
@@ -236,7 +251,7 @@ fn adapt(
         steps.push(Step::Reload { request: Box::new(request), why });
         return Ok(());
     }
-    let default = || BackendNames::one(backend);
+    let default = || BackendNames::one(present.backend);
     let to = request.backend.clone().unwrap_or_else(default);
     let bindings = &hosted.ties.bindings;
     let moves = bindings.component() != to;

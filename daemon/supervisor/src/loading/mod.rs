@@ -3,7 +3,7 @@
 
 mod built;
 mod error;
-mod locate;
+pub(crate) mod locate;
 mod standard;
 mod start;
 mod undefined;

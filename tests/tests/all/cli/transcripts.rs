@@ -19,6 +19,7 @@ macro_rules! transcripts {
 }
 
 transcripts! {
+    "cells": components_run_in_processes_of_their_own,
     "choice": what_fits_is_offered_and_values_are_shown_as_wanted,
     "completion": live_names_are_completed,
     "manual": manual_pages_are_made_from_the_definitions_of_the_help,

@@ -31,6 +31,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-configuration", CONFIGURATION),
     ("genom-doors", &["genom-nearest", "genom-proof", "genom-protocol"]),
     ("genom-supervisor", SUPERVISOR),
+    ("genom-cells", CELLS),
+    ("genom-telemetry", &["genom-configuration", "genom-supervisor"]),
     ("genom-proof", &[]),
     ("genom-nearest", &[]),
     ("genom-protocol", &["genom-nearest"]),
@@ -49,6 +51,7 @@ const HOST: &[&str] = &[
     "genom-runtime",
     "genom-types",
 ];
+const CELLS: &[&str] = &["genom-configuration", "genom-host", "genom-protocol", "genom-supervisor"];
 const GENOMCTL: &[&str] = &[
     "genom-description",
     "genom-description-tools",
@@ -96,7 +99,7 @@ const UNSAFE: &[&str] = &[
 /// below it.
 const FLOORS: &[(&str, &str)] = &[
     ("registry", "known backends masquerade lib"),
-    ("configuration", "error levels place terms offers rpc spot overrides file lib"),
+    ("configuration", "error cells levels place terms offers rpc spot overrides file lib"),
     ("ports", "dates gauge key tape fan feeds tap lib"),
     (
         "supervisor",
@@ -108,10 +111,8 @@ const FLOORS: &[(&str, &str)] = &[
         "error slots seldom private holder tokens tls listen stall rights input guests streams \
          access guard serve relay lib",
     ),
-    (
-        "genomd",
-        "cli memory announcements startup telemetry settings daemon logs rpc signals run check main",
-    ),
+    ("cells", "end policy place journal client follow process setup cell cells merge wire own lib"),
+    ("genomd", "cli memory announcements startup settings logs daemon rpc signals run check main"),
 ];
 
 fn relative(path: &Path) -> String {

@@ -4,6 +4,8 @@
 //! queue. Nothing waits for the collector: spans that do not fit in the queue are dropped and
 //! counted. There is no TLS: the collector has to be on this machine or on a trusted network.
 
+#![forbid(unsafe_code)]
+
 use std::collections::VecDeque;
 use std::hash::{BuildHasher as _, Hasher as _, RandomState};
 use std::sync::{LazyLock, Mutex, PoisonError};
@@ -67,13 +69,13 @@ impl Queue {
 }
 
 /// Whether a span is to be exported.
-pub(crate) fn is_ours(about: &Metadata<'_>) -> bool {
+pub fn is_ours(about: &Metadata<'_>) -> bool {
     about.is_span() && about.target() == TARGET
 }
 
 /// Address of a collector.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Collector {
+pub struct Collector {
     /// `host:port`
     authority: String,
     path: String,
@@ -81,7 +83,7 @@ pub(crate) struct Collector {
 
 impl Collector {
     /// Parses `http://HOST:PORT`, with or without a path.
-    pub(crate) fn parse(text: &str) -> Result<Self, NoCollector> {
+    pub fn parse(text: &str) -> Result<Self, NoCollector> {
         let text = || text.to_owned();
         let uri: Uri = text().parse().map_err(|_| NoCollector::NoUrl(text()))?;
         if uri.scheme_str() != Some("http") {
@@ -98,7 +100,7 @@ impl Collector {
 }
 
 /// Queues spans when they close.
-pub(crate) struct Exported;
+pub struct Exported;
 
 /// The fields of a span so far.
 struct Told {
@@ -189,7 +191,7 @@ fn random() -> u64 {
 }
 
 /// Posts queued spans until `closed` is raised, then the remaining ones.
-pub(crate) async fn export(collector: Collector, daemon: Option<String>, closed: Flag) {
+pub async fn export(collector: Collector, daemon: Option<String>, closed: Flag) {
     let mut refused = false;
     loop {
         let ends = closed.is_up();

@@ -1,0 +1,493 @@
+//! One cell: its process, from start to end and to the next start.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use genom_protocol::routes::{self, Route};
+use genom_protocol::{CellState, Change, ReadyParameters};
+use hyper::body::{Body, Incoming};
+use hyper::{Request, Response};
+use rustix::process::Signal;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use tokio::sync::watch;
+use tokio::time::{sleep, timeout};
+
+use crate::client::{AskError, Client};
+use crate::end::End;
+use crate::follow::Events;
+use crate::journal;
+use crate::place::Place;
+use crate::policy::Restarts;
+use crate::process::Process;
+use crate::setup::{Setup, Told};
+
+/// How long a request waits for a cell whose process is starting.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// Between two tries to reach a process that is starting, or to see what became of one.
+const LOOK_AGAIN: Duration = Duration::from_millis(2);
+
+/// How long the end of a process may be behind the end of its connections.
+const NOTICE: Duration = Duration::from_millis(500);
+
+/// A cell of this daemon.
+pub struct Cell {
+    name: String,
+    place: Place,
+    client: Client,
+    setup: Arc<Setup>,
+    state: Mutex<State>,
+    phase: watch::Sender<CellState>,
+    order: watch::Sender<Order>,
+    /// Whether its life is over and its files are gone.
+    over: watch::Sender<bool>,
+    /// Held while components are loaded into it or taken out of it.
+    changing: tokio::sync::Mutex<()>,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    pid: Option<u32>,
+    starts: u64,
+    last_end: Option<String>,
+    components: Vec<String>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Order {
+    /// Run, and start again when its policy says so.
+    Run,
+    /// End.
+    Stop,
+}
+
+/// A cell that cannot be asked now.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("cell {cell} is {state}{}", .last_end.as_ref().map_or(String::new(), |end| format!(", its process ended: {end}")))]
+pub struct Down {
+    /// Its name.
+    pub cell: String,
+    /// How it is.
+    pub state: CellState,
+    /// How its last process ended.
+    pub last_end: Option<String>,
+}
+
+impl std::fmt::Debug for Cell {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.told().fmt(f)
+    }
+}
+
+impl Cell {
+    /// A cell whose process is started, or found; it lives until somebody stops it.
+    pub(crate) fn begin(
+        name: &str,
+        place: Place,
+        setup: &Arc<Setup>,
+        found: Option<Process>,
+    ) -> Arc<Self> {
+        let cell = Arc::new(Self {
+            name: name.to_owned(),
+            client: Client::new(&place.socket()),
+            place,
+            setup: Arc::clone(setup),
+            state: Mutex::default(),
+            phase: watch::Sender::new(CellState::Starting),
+            order: watch::Sender::new(Order::Run),
+            over: watch::Sender::new(false),
+            changing: tokio::sync::Mutex::default(),
+        });
+        tokio::spawn(Arc::clone(&cell).live(found));
+        cell
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What supervisors see of it.
+    #[must_use]
+    pub fn told(&self) -> genom_protocol::Cell {
+        self.with(|state| genom_protocol::Cell {
+            name: self.name.clone(),
+            state: *self.phase.borrow(),
+            pid: state.pid,
+            components: state.components.clone(),
+            starts: state.starts,
+            last_end: state.last_end.clone(),
+            socket: self.place.socket(),
+        })
+    }
+
+    /// Whether a component is in it, or is to be when it is back.
+    #[must_use]
+    pub fn holds(&self, component: &str) -> bool {
+        self.with(|state| state.components.iter().any(|one| one == component))
+    }
+
+    pub(crate) fn place(&self) -> &Place {
+        &self.place
+    }
+
+    /// Whether its life is over.
+    pub(crate) fn is_over(&self) -> bool {
+        *self.over.borrow()
+    }
+
+    /// Waits until its life is over.
+    pub(crate) async fn ended(&self) {
+        let mut over = self.over.subscribe();
+        let _ = over.wait_for(|over| *over).await;
+    }
+
+    /// Whether it is to hold nothing.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.with(|state| state.components.is_empty())
+    }
+
+    pub(crate) async fn changing(&self) -> tokio::sync::MutexGuard<'_, ()> {
+        self.changing.lock().await
+    }
+
+    /// Waits until its process answers; not for one that ended and is to be started later.
+    ///
+    /// # Errors
+    /// It is down.
+    pub async fn answers(&self) -> Result<(), Down> {
+        let mut phase = self.phase.subscribe();
+        let over = phase.wait_for(|phase| *phase != CellState::Starting);
+        let _ = timeout(PATIENCE, over).await;
+        match *self.phase.borrow() {
+            CellState::Running => Ok(()),
+            _ => Err(self.down()),
+        }
+    }
+
+    /// Waits until it runs for the first time, or failed.
+    pub(crate) async fn begun(&self) -> Result<(), Down> {
+        let mut phase = self.phase.subscribe();
+        let settled =
+            |phase: &CellState| !matches!(phase, CellState::Starting | CellState::Waiting);
+        let _ = phase.wait_for(settled).await;
+        match *self.phase.borrow() {
+            CellState::Running => Ok(()),
+            _ => Err(self.down()),
+        }
+    }
+
+    fn down(&self) -> Down {
+        let state = *self.phase.borrow();
+        let last_end = self.with(|one| one.last_end.clone());
+        Down { cell: self.name.clone(), state, last_end }
+    }
+
+    /// Passes a request on as it is, and its response back.
+    ///
+    /// # Errors
+    /// The cell is down, or its process ended before it had answered.
+    pub async fn forward<B>(&self, request: Request<B>) -> Result<Response<Incoming>, Down>
+    where
+        B: Body + Send + Unpin + 'static,
+        B::Data: Send,
+        B::Error: Into<Box<dyn std::error::Error + Send + Sync>>,
+    {
+        self.answers().await?;
+        match self.client.send(request).await {
+            Ok(response) => Ok(response),
+            Err(_) => Err(self.lost().await),
+        }
+    }
+
+    /// A connection broke: its process ended, which may be noticed a moment later.
+    async fn lost(&self) -> Down {
+        let mut phase = self.phase.subscribe();
+        let _ = timeout(NOTICE, phase.wait_for(|phase| *phase != CellState::Running)).await;
+        self.down()
+    }
+
+    /// Asks a route that takes no body.
+    ///
+    /// # Errors
+    /// It does not answer, or refuses.
+    pub async fn ask<R: DeserializeOwned, Q>(&self, route: &Route<R, Q>) -> Result<R, AskError> {
+        self.client.ask(route).await
+    }
+
+    /// Asks a route with a body.
+    ///
+    /// # Errors
+    /// It does not answer, or refuses.
+    pub async fn tell<R: DeserializeOwned, Q, B: Serialize>(
+        &self,
+        route: &Route<R, Q, B>,
+        body: &B,
+    ) -> Result<R, AskError> {
+        self.client.tell(route, body).await
+    }
+
+    /// Ends its process, if it has one, as a fault would, and waits until the next one answers.
+    ///
+    /// # Errors
+    /// It does not start again.
+    pub async fn restart(&self) -> Result<(), Down> {
+        let pid = self.with(|state| state.pid);
+        if let Some(process) = pid.and_then(|pid| Process::found(pid).ok()) {
+            let mut phase = self.phase.subscribe();
+            process.signal(Signal::KILL);
+            let _ = phase.wait_for(|phase| *phase != CellState::Running).await;
+        }
+        self.start_again();
+        self.begun().await
+    }
+
+    /// Starts its process again, when it has none.
+    pub(crate) fn start_again(&self) {
+        self.phase.send_if_modified(|phase| {
+            let down = matches!(phase, CellState::Failed | CellState::Waiting);
+            if down {
+                *phase = CellState::Starting;
+            }
+            down
+        });
+        self.order.send_if_modified(|order| *order == Order::Run);
+    }
+
+    /// Asks for its end: its components stop as they should.
+    pub(crate) fn ask_to_stop(&self) {
+        self.order.send_replace(Order::Stop);
+    }
+
+    fn with<T>(&self, work: impl FnOnce(&mut State) -> T) -> T {
+        work(&mut self.state.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    fn enter(&self, phase: CellState) {
+        self.phase.send_replace(phase);
+    }
+
+    pub(crate) fn is_stopping(&self) -> bool {
+        *self.order.borrow() == Order::Stop
+    }
+
+    async fn told_to_stop(&self) {
+        let mut order = self.order.subscribe();
+        let _ = order.wait_for(|order| *order == Order::Stop).await;
+    }
+
+    async fn live(self: Arc<Self>, mut found: Option<Process>) {
+        let mut restarts = Restarts::default();
+        let mut order = self.order.subscribe();
+        loop {
+            let end = match found.take() {
+                Some(process) => self.run(&process, true).await,
+                None => self.start_and_run().await,
+            };
+            self.with(|state| {
+                state.pid = None;
+                state.last_end = Some(end.to_string());
+            });
+            order.mark_unchanged();
+            if self.is_stopping() {
+                break;
+            }
+            let delay = self.after(&end, &mut restarts);
+            let told_otherwise = order.changed();
+            match delay {
+                Some(delay) => {
+                    let _ = timeout(delay, told_otherwise).await;
+                }
+                None => {
+                    let _ = told_otherwise.await;
+                    restarts.forget();
+                }
+            }
+            if self.is_stopping() {
+                break;
+            }
+        }
+        self.place.remove();
+        self.enter(CellState::Stopping);
+        self.over.send_replace(true);
+    }
+
+    /// What follows an end: how long to wait before the next start, if there is to be one.
+    fn after(&self, end: &End, restarts: &mut Restarts) -> Option<Duration> {
+        let held = journal::read(&self.place.journal()).unwrap_or_else(|error| {
+            tracing::error!("cell {}: {error}; it starts with nothing", self.name);
+            genom_configuration::Deployment::default()
+        });
+        let lost: Vec<String> = held.component.iter().map(|one| one.instance()).collect();
+        let kept = journal::kept(held, end.is_failure());
+        let names: Vec<String> = kept.component.iter().map(|one| one.instance()).collect();
+        if let Err(error) = journal::write(&self.place.journal(), &kept) {
+            tracing::error!("cell {}: its journal cannot be written: {error}", self.name);
+        }
+        self.with(|state| state.components.clone_from(&names));
+        let (cell, why) = (self.name.clone(), end.to_string());
+        let delay = if names.is_empty() {
+            tracing::error!("cell {cell} ended: {why}; nothing in it is to be restarted");
+            None
+        } else {
+            let delay = restarts.next(&self.setup.settings, Instant::now());
+            match delay {
+                Some(delay) => {
+                    tracing::warn!(
+                        "cell {cell} ended: {why}; restarted in {} s",
+                        delay.as_secs_f64()
+                    );
+                }
+                None => tracing::error!(
+                    "cell {cell} ended: {why}; it ended too often, and is not restarted: \
+                     `genomctl cells --restart {cell}` starts it again"
+                ),
+            }
+            delay
+        };
+        self.enter(if delay.is_some() { CellState::Waiting } else { CellState::Failed });
+        let restarts = delay.is_some();
+        self.setup.tell(Told::Cell(Change::CellEnded { cell, why, components: lost, restarts }));
+        delay
+    }
+
+    async fn start_and_run(&self) -> End {
+        self.enter(CellState::Starting);
+        self.with(|state| state.starts += 1);
+        let started = match self.setup.write_config(&self.place) {
+            Ok(()) => Process::start(&self.setup.program, &self.name, &self.place)
+                .map_err(|error| error.to_string()),
+            Err(error) => Err(error.to_string()),
+        };
+        match started {
+            Ok(process) => self.run(&process, false).await,
+            Err(why) => End::NotStarted(why),
+        }
+    }
+
+    /// Until the process ends.
+    async fn run(&self, process: &Process, adopted: bool) -> End {
+        self.with(|state| state.pid = Some(process.pid()));
+        let limit = self.setup.settings.ready_timeout;
+        tokio::select! {
+            end = process.ended() => return end,
+            ready = timeout(limit, self.ready()) => if ready.is_err() {
+                return self.kill_for(process, End::NotReady(limit)).await;
+            },
+            () = self.told_to_stop() => return self.stop(process).await,
+        }
+        if let Ok(all) = self.client.ask(&routes::components()).await {
+            let names = all.components.into_iter().map(|one| one.name).chain(all.loading).collect();
+            self.with(|state| state.components = names);
+        }
+        self.enter(CellState::Running);
+        let (cell, pid) = (self.name.clone(), process.pid());
+        tracing::info!("cell {cell} {}, process {pid}", if adopted { "found" } else { "runs" });
+        self.setup.tell(Told::Cell(Change::CellRuns { cell, pid, adopted }));
+        let after = if adopted { None } else { Some(0) };
+        tokio::select! {
+            end = process.ended() => end,
+            () = self.follow(after) => process.ended().await,
+            limit = self.silent() => self.kill_for(process, End::Silent(limit)).await,
+            () = self.told_to_stop() => self.stop(process).await,
+        }
+    }
+
+    /// Waits until it has loaded what it is to hold.
+    async fn ready(&self) {
+        let wait = ReadyParameters { wait: Some(10.0), deployed: None };
+        let route = routes::ready().with(&wait);
+        while self.client.ask(&route).await.is_err() {
+            sleep(LOOK_AGAIN).await;
+        }
+    }
+
+    /// Tells on what it tells, until its streams are over.
+    async fn follow(&self, after: Option<u64>) {
+        let changes = async {
+            let Ok(mut events) = Events::open(&self.client, "/events", after).await else { return };
+            while let Some((_, change)) = events.next().await {
+                self.heard(&change);
+                // Its last component went by itself (service `kill`), and none is being loaded.
+                if self.is_empty() && change["event"] == "component_unloaded" {
+                    let turn = self.changing.try_lock();
+                    if turn.is_ok() {
+                        self.ask_to_stop();
+                    }
+                }
+                self.setup.tell(Told::Change(change));
+            }
+        };
+        let logs = async {
+            let path = "/logs/stream?last=1024";
+            let Ok(mut events) = Events::open(&self.client, path, None).await else { return };
+            while let Some((_, entry)) = events.next().await {
+                self.setup.tell(Told::Log(entry));
+            }
+        };
+        tokio::join!(changes, logs);
+    }
+
+    /// Keeps the list of its components.
+    fn heard(&self, change: &serde_json::Value) {
+        let Some(name) = change["component"].as_str() else { return };
+        self.with(|state| match change["event"].as_str() {
+            Some("component_loaded") if !state.components.iter().any(|one| one == name) => {
+                state.components.push(name.to_owned());
+            }
+            Some("component_unloaded") => state.components.retain(|one| one != name),
+            _ => {}
+        });
+    }
+
+    /// A component was loaded into it: known before the reply, and before the event is.
+    pub(crate) fn loaded(&self, name: &str) {
+        let change = serde_json::json!({"event": "component_loaded", "component": name});
+        self.heard(&change);
+    }
+
+    /// A component was taken out of it.
+    pub(crate) fn unloaded(&self, name: &str) {
+        let change = serde_json::json!({"event": "component_unloaded", "component": name});
+        self.heard(&change);
+    }
+
+    /// Asks again and again whether it answers; returns the limit when it did not for so long.
+    async fn silent(&self) -> Duration {
+        let limit = self.setup.settings.alive_timeout;
+        loop {
+            if timeout(limit, self.client.ask(&routes::about())).await.is_err() {
+                return limit;
+            }
+            sleep(limit / 4).await;
+        }
+    }
+
+    async fn kill_for(&self, process: &Process, why: End) -> End {
+        process.signal(Signal::KILL);
+        process.ended().await;
+        why
+    }
+
+    /// Asks it to stop, and ends it when it does not in time.
+    async fn stop(&self, process: &Process) -> End {
+        self.enter(CellState::Stopping);
+        let limit = self.setup.stop_timeout + Duration::from_secs(2);
+        let asked = async {
+            if self.client.ask(&routes::shutdown()).await.is_err() {
+                process.signal(Signal::TERM);
+            }
+            process.ended().await
+        };
+        match timeout(limit, asked).await {
+            Ok(end) => end,
+            Err(_) => {
+                tracing::error!("cell {} did not stop in time, and is killed", self.name);
+                process.signal(Signal::KILL);
+                process.ended().await
+            }
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! The cells of a daemon, by name.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use genom_protocol::{Component, LoadRequest, Unloaded, routes};
+use rustix::process::Signal;
+
+use crate::cell::{Cell, Down};
+use crate::client::{AskError, Client};
+use crate::place::{self, Place, PlaceError};
+use crate::process::{Process, left};
+use crate::setup::Setup;
+
+/// A cell could not be begun, or a component not be loaded into it.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum OpenError {
+    /// Its files.
+    #[error(transparent)]
+    Place(Arc<PlaceError>),
+    /// It runs in another process of this daemon.
+    #[error("{name} runs in {place}: unload it first")]
+    Elsewhere {
+        /// The component.
+        name: String,
+        /// Where it runs.
+        place: String,
+    },
+    /// What it needs of the daemon's own components.
+    #[error("{0}")]
+    Share(String),
+    /// Its process.
+    #[error(transparent)]
+    Down(#[from] Down),
+    /// It refuses.
+    #[error(transparent)]
+    Ask(#[from] AskError),
+}
+
+/// The cells of a daemon.
+pub struct Cells {
+    setup: Arc<Setup>,
+    all: Mutex<BTreeMap<String, Arc<Cell>>>,
+}
+
+impl std::fmt::Debug for Cells {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_list().entries(self.all()).finish()
+    }
+}
+
+impl Cells {
+    /// None yet.
+    #[must_use]
+    pub fn new(setup: Setup) -> Self {
+        Self { setup: Arc::new(setup), all: Mutex::default() }
+    }
+
+    fn with<T>(&self, work: impl FnOnce(&mut BTreeMap<String, Arc<Cell>>) -> T) -> T {
+        let mut all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
+        all.retain(|_, cell| !cell.is_over());
+        work(&mut all)
+    }
+
+    /// All of them.
+    #[must_use]
+    pub fn all(&self) -> Vec<Arc<Cell>> {
+        self.with(|all| all.values().map(Arc::clone).collect())
+    }
+
+    /// The cell of this name.
+    #[must_use]
+    pub fn get(&self, name: &str) -> Option<Arc<Cell>> {
+        self.with(|all| all.get(name).map(Arc::clone))
+    }
+
+    /// The cell that holds a component.
+    #[must_use]
+    pub fn of(&self, component: &str) -> Option<Arc<Cell>> {
+        self.all().into_iter().find(|cell| cell.holds(component))
+    }
+
+    /// The cell of this name, running; it is begun when it is not there.
+    ///
+    /// # Errors
+    /// It has no place for its files, or its process does not run.
+    pub async fn open(&self, name: &str) -> Result<Arc<Cell>, OpenError> {
+        let found = self.get(name);
+        let cell = match found {
+            // It is ending: one that begins takes its place.
+            Some(cell) if cell.is_stopping() => {
+                cell.ended().await;
+                return Box::pin(self.open(name)).await;
+            }
+            Some(cell) => {
+                cell.start_again();
+                cell
+            }
+            None => {
+                let place = Place::new(&place::of_all(&self.setup.socket), name);
+                let place = place.and_then(|place| place.make().map(|()| place));
+                let place = place.map_err(|error| OpenError::Place(Arc::new(error)))?;
+                self.begin(name, place, None)
+            }
+        };
+        if let Err(down) = cell.begun().await {
+            self.end_if_empty(&cell).await;
+            return Err(down.into());
+        }
+        Ok(cell)
+    }
+
+    fn begin(&self, name: &str, place: Place, found: Option<Process>) -> Arc<Cell> {
+        self.with(|all| {
+            let begin = || Cell::begin(name, place, &self.setup, found);
+            Arc::clone(all.entry(name.to_owned()).or_insert_with(begin))
+        })
+    }
+
+    /// Loads a component into a cell, which is begun for it if need be, and ended if it refuses
+    /// and holds nothing else.
+    ///
+    /// # Errors
+    /// The cell is down, or refuses the component.
+    pub async fn load(&self, name: &str, request: &LoadRequest) -> Result<Component, OpenError> {
+        let cell = self.open(name).await?;
+        let turn = cell.changing().await;
+        let loaded = cell.tell(&routes::load(), request).await;
+        if let Ok(component) = &loaded {
+            cell.loaded(&component.name);
+        }
+        drop(turn);
+        self.end_if_empty(&cell).await;
+        Ok(loaded?)
+    }
+
+    /// Takes a component out of its cell, which ends with its last one.
+    ///
+    /// # Errors
+    /// The cell is down, or refuses.
+    pub async fn unload(&self, cell: &Cell, component: &str) -> Result<Unloaded, OpenError> {
+        let turn = cell.changing().await;
+        cell.answers().await?;
+        let unloaded = cell.ask(&routes::unload(component)).await?;
+        cell.unloaded(component);
+        drop(turn);
+        self.end_if_empty(cell).await;
+        Ok(unloaded)
+    }
+
+    /// Ends the cells that hold nothing.
+    pub(crate) async fn end_empty(&self) {
+        for cell in self.all() {
+            self.end_if_empty(&cell).await;
+        }
+    }
+
+    async fn end_if_empty(&self, cell: &Cell) {
+        let _turn = cell.changing().await;
+        if cell.is_empty() {
+            self.stop(cell.name()).await;
+        }
+    }
+
+    /// Ends a cell and all that is in it; whether there was one.
+    pub async fn stop(&self, name: &str) -> bool {
+        let Some(cell) = self.get(name) else { return false };
+        cell.ask_to_stop();
+        cell.ended().await;
+        true
+    }
+
+    /// Ends all, side by side.
+    pub async fn stop_all(&self) {
+        let all = self.all();
+        all.iter().for_each(|cell| cell.ask_to_stop());
+        for cell in all {
+            self.stop(cell.name()).await;
+        }
+    }
+
+    /// Goes on with the cells that a daemon before this one left: those that live are taken over
+    /// as they are, those that ended meanwhile are started with what they held.
+    pub async fn adopt(&self) {
+        for (name, place) in Place::found(&place::of_all(&self.setup.socket)) {
+            let process = match left(&place, &name) {
+                Some(pid) => self.living(&name, &place, pid).await,
+                None => None,
+            };
+            if process.is_none() && !place.journal().exists() {
+                place.remove();
+                continue;
+            }
+            self.begin(&name, place, process);
+        }
+        for cell in self.all() {
+            let _ = cell.begun().await;
+        }
+    }
+
+    /// A process that a daemon before this one started, if it answers; else it is killed.
+    async fn living(&self, name: &str, place: &Place, pid: u32) -> Option<Process> {
+        let process = Process::found(pid).ok()?;
+        let client = Client::new(&place.socket());
+        let about = routes::about();
+        let answer = tokio::time::timeout(self.setup.settings.alive_timeout, client.ask(&about));
+        match answer.await {
+            Ok(Ok(_)) => Some(process),
+            _ => {
+                tracing::error!("cell {name}: process {pid} does not answer, and is killed");
+                process.signal(Signal::KILL);
+                process.ended().await;
+                None
+            }
+        }
+    }
+}

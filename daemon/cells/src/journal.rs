@@ -1,0 +1,111 @@
+//! What a cell is to hold, as a deployment file: its own process writes it after each change, its
+//! next process reads it.
+
+use std::fs;
+use std::io::{self, Write as _};
+use std::path::Path;
+
+use genom_configuration::{Config, ConfigError, Deployment};
+use genom_protocol::RestartPolicy;
+
+/// Writes what is to be held. A process that dies while it writes leaves the file that was there.
+///
+/// # Errors
+/// The system refuses.
+pub fn write(path: &Path, held: &Deployment) -> io::Result<()> {
+    let text = toml::to_string(held).map_err(io::Error::other)?;
+    let aside = path.with_extension("new");
+    let mut file = fs::File::create(&aside)?;
+    file.write_all(text.as_bytes())?;
+    fs::rename(&aside, path)
+}
+
+/// Reads it; nothing is held where there is none yet.
+///
+/// # Errors
+/// It is no such file.
+pub fn read(path: &Path) -> Result<Deployment, ConfigError> {
+    if !path.exists() {
+        return Ok(Deployment::default());
+    }
+    let Config { component, connection, call, activity, .. } = Config::read(Some(path), &[])?;
+    Ok(Deployment { component, connection, call, activity })
+}
+
+/// What is to come back after an end: components by their policies, and what is connected into
+/// them and called of them.
+#[must_use]
+pub fn kept(mut held: Deployment, failure: bool) -> Deployment {
+    held.component.retain(|component| match component.restart {
+        RestartPolicy::Never => false,
+        RestartPolicy::OnFailure => failure,
+        RestartPolicy::Always => true,
+    });
+    let names: Vec<String> = held.component.iter().map(|one| one.instance()).collect();
+    let stays = |name: &str| names.iter().any(|one| one == name);
+    held.connection.retain(|entry| stays(entry.reader()));
+    held.call.retain(|entry| stays(&entry.component));
+    held.activity.retain(|entry| stays(&entry.component));
+    held
+}
+
+#[cfg(test)]
+mod tests {
+    use genom_configuration::{CallEntry, ConnectionEntry, LoadRequest};
+    use serde_json::json;
+
+    use super::*;
+
+    fn component(name: &str, restart: RestartPolicy) -> LoadRequest {
+        let name = Some(name.to_owned());
+        LoadRequest { library: "/lib/demo.so".into(), name, restart, ..LoadRequest::default() }
+    }
+
+    fn held() -> Deployment {
+        let call = |component: &str| CallEntry {
+            component: component.to_owned(),
+            service: "set_speed".to_owned(),
+            inputs: json!({"velocity": 2.5}),
+        };
+        Deployment {
+            component: vec![
+                component("a", RestartPolicy::Never),
+                component("b", RestartPolicy::OnFailure),
+                component("c", RestartPolicy::Always),
+            ],
+            connection: vec![ConnectionEntry {
+                inport: "a/in".to_owned(),
+                outport: "b/out".to_owned(),
+                policy: None,
+                backend: None,
+            }],
+            call: vec![call("a"), call("b")],
+            activity: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn what_is_written_is_read_again() {
+        let scratch = tempfile::tempdir().unwrap();
+        let path = scratch.path().join("journal.toml");
+        assert_eq!(read(&path).unwrap(), Deployment::default());
+        write(&path, &held()).unwrap();
+        assert_eq!(read(&path).unwrap(), held());
+        fs::write(&path, "component = 3").unwrap();
+        assert!(read(&path).unwrap_err().to_string().contains("journal.toml:1"));
+    }
+
+    #[test]
+    fn a_component_comes_back_as_its_policy_says_and_what_is_of_it_with_it() {
+        let names = |kept: &Deployment| {
+            let names = kept.component.iter().map(|one| one.instance());
+            names.collect::<Vec<_>>().concat()
+        };
+        let failed = kept(held(), true);
+        assert_eq!(
+            (names(&failed).as_str(), failed.connection.len(), failed.call.len()),
+            ("bc", 0, 1)
+        );
+        assert_eq!(names(&kept(held(), false)), "c");
+    }
+}

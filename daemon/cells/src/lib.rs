@@ -1,0 +1,33 @@
+//! Cells: child processes of a daemon that run components, so that a codel that crashes takes
+//! nothing down but its own cell.
+//!
+//! A cell is the same program as the daemon, with a control plane of its own on a private socket
+//! and its ports on shared memory: samples go from cell to cell without passing the daemon. The
+//! daemon at the front starts cells ([`Cells`]), passes requests on to them ([`Cell::forward`]),
+//! joins their lists with its own ([`merge`]) and restarts them when they end ([`policy`]).
+//!
+//! Each cell writes down what it is to hold in a journal ([`journal`]), which its next process
+//! reads. A daemon that takes the place of a dead one finds the cells in their directory
+//! ([`place`]) and goes on with them: what they run is not interrupted.
+
+#![forbid(unsafe_code)]
+
+mod cell;
+mod cells;
+mod client;
+mod end;
+mod follow;
+pub mod journal;
+pub mod merge;
+pub mod own;
+pub mod place;
+pub mod policy;
+mod process;
+mod setup;
+mod wire;
+
+pub use cell::{Cell, Down};
+pub use cells::{Cells, OpenError};
+pub use client::AskError;
+pub use own::OwnCell;
+pub use setup::{Setup, Told};

@@ -1,0 +1,139 @@
+//! What makes this process a cell of another daemon: its journal, and what it does when that daemon
+//! ends.
+
+use std::fs::File;
+use std::io;
+use std::os::fd::OwnedFd;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::journal;
+use genom_configuration::{BackendNames, ConfigError, Deployment, LoadRequest, WithoutDaemon};
+use genom_host::keep_from_children;
+use genom_supervisor::Supervisor;
+use genom_supervisor::bus::Heard;
+use tokio::io::AsyncReadExt as _;
+use tokio::net::unix::pipe;
+
+/// This process is a cell.
+#[derive(Debug)]
+pub struct OwnCell {
+    journal: PathBuf,
+    /// What it was to hold when it started; it counts until all of it is there again.
+    before: Deployment,
+    /// Held while the journal is written.
+    writing: Mutex<()>,
+}
+
+impl OwnCell {
+    /// The cell whose files stand beside its configuration.
+    ///
+    /// # Errors
+    /// Its journal cannot be read.
+    pub fn new(config: &Path) -> Result<Self, ConfigError> {
+        let journal = config.with_file_name("journal.toml");
+        let before = journal::read(&journal)?;
+        Ok(Self { journal, before, writing: Mutex::default() })
+    }
+
+    /// What it is to bring up.
+    #[must_use]
+    pub fn before(&self) -> Deployment {
+        self.before.clone()
+    }
+
+    /// Writes down what it is to hold now. What of its start is not there yet still counts.
+    ///
+    /// `all_there`: whether what it started with is loaded, connected and called.
+    pub fn write(&self, supervisor: &Supervisor, all_there: bool) {
+        // A component that goes since the cell stops is not one that somebody took away.
+        if supervisor.stopping() {
+            return;
+        }
+        let _turn = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
+        let held = supervisor.declared();
+        let held = if all_there { held } else { held.over(&self.before) };
+        if let Err(error) = journal::write(&self.journal, &held) {
+            tracing::error!("{}: {error}", self.journal.display());
+        }
+    }
+
+    /// Writes it again whenever something changes that no request asked for, until the end.
+    pub async fn keep(self: Arc<Self>, supervisor: Arc<Supervisor>, all_there: impl Fn() -> bool) {
+        let mut changes = supervisor.bus.listen(None);
+        while let Some(heard) = changes.next().await {
+            let matters = match &heard {
+                Heard::Missed { .. } => true,
+                Heard::Told(change) => {
+                    let kind = change.data["event"].as_str().unwrap_or_default();
+                    !matches!(kind, "transition" | "overrun" | "event_fired" | "deployment_step")
+                }
+            };
+            if matters {
+                let (own, supervisor) = (Arc::clone(&self), Arc::clone(&supervisor));
+                let all_there = all_there();
+                let writing =
+                    tokio::task::spawn_blocking(move || own.write(&supervisor, all_there));
+                let _ = writing.await;
+            }
+        }
+    }
+}
+
+/// Components of a cell meet those of other processes: what would stay within the daemon goes over
+/// shared memory.
+pub fn share(request: &mut LoadRequest) {
+    let all = request.backend.iter_mut().chain(request.ports.values_mut());
+    for names in all.filter(|names| names.has("local")) {
+        let shared = names.names().iter().map(|name| match name.as_str() {
+            "local" => "shm".to_owned(),
+            _ => name.clone(),
+        });
+        let mut unique: Vec<String> = Vec::new();
+        shared.for_each(|name| {
+            if !unique.contains(&name) {
+                unique.push(name);
+            }
+        });
+        *names = BackendNames::from(unique.join("+").as_str());
+    }
+}
+
+/// The standard input, which the daemon holds open as long as it lives; codels get none.
+///
+/// # Errors
+/// The system refuses.
+pub fn take_lease() -> io::Result<OwnedFd> {
+    let lease = rustix::io::fcntl_dupfd_cloexec(rustix::stdio::stdin(), 3)?;
+    keep_from_children(&lease);
+    rustix::stdio::dup2_stdin(File::open("/dev/null")?)?;
+    Ok(lease)
+}
+
+/// Waits for the end of the daemon that started this process, and does what was configured.
+pub async fn outlive(lease: OwnedFd, then: WithoutDaemon, supervisor: Arc<Supervisor>) {
+    let Ok(mut lease) = pipe::Receiver::from_owned_fd(lease) else { return };
+    // Nothing is ever written there.
+    while lease.read(&mut [0; 64]).await.is_ok_and(|count| count > 0) {}
+    match then {
+        WithoutDaemon::Continue => tracing::warn!("the daemon has ended; this cell goes on"),
+        WithoutDaemon::Stop => supervisor.ask_to_stop("the daemon of this cell has ended"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_would_stay_within_the_daemon_goes_over_shared_memory() {
+        let mut request = LoadRequest {
+            backend: Some(BackendNames::from("local+zenoh")),
+            ports: [("pose".to_owned(), BackendNames::from("local+shm"))].into(),
+            ..LoadRequest::default()
+        };
+        share(&mut request);
+        assert_eq!(request.backend.unwrap().to_string(), "shm+zenoh");
+        assert_eq!(request.ports["pose"].to_string(), "shm");
+    }
+}

@@ -1,0 +1,162 @@
+//! Where the cells of a daemon keep their files: a directory beside the daemon's socket.
+//!
+//! `SOCKET.cells/NAME/` holds `socket` (its control plane), `config.toml` (how it is to run),
+//! `journal.toml` (what it is to hold) and `pid`. Only the daemon's user can enter it.
+
+use std::fs::{self, DirBuilder};
+use std::io;
+use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _};
+use std::path::{Path, PathBuf};
+
+/// Longest path of a Unix socket, in bytes (`sun_path`, with its final 0).
+const LONGEST: usize = 107;
+
+/// The directory of one cell.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place(PathBuf);
+
+/// No directory for a cell.
+#[derive(Debug, thiserror::Error)]
+pub enum PlaceError {
+    /// The name cannot stand in a path, or in messages.
+    #[error("`{0}` is no name of a cell: up to 32 letters, digits, `_` and `-`, a letter first")]
+    Name(String),
+    /// The socket would have a longer path than the system takes.
+    #[error("{} is too long for a socket: give the daemon a shorter --socket", .0.display())]
+    Long(PathBuf),
+    /// Others could put files there.
+    #[error("{} belongs to another user, or others may enter it", .0.display())]
+    Foreign(PathBuf),
+    /// The system refused.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// What was to be made.
+        path: PathBuf,
+        /// Its own words.
+        source: io::Error,
+    },
+}
+
+/// The directory of all cells of the daemon that listens on this socket.
+#[must_use]
+pub fn of_all(socket: &Path) -> PathBuf {
+    let mut name = socket.as_os_str().to_owned();
+    name.push(".cells");
+    name.into()
+}
+
+impl Place {
+    /// The place of a cell; nothing is made yet.
+    ///
+    /// # Errors
+    /// The name is none, or its socket's path would be too long.
+    pub fn new(all: &Path, name: &str) -> Result<Self, PlaceError> {
+        let fine = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+        let begins = name.starts_with(|first: char| first.is_ascii_alphabetic());
+        if !begins || name.len() > 32 || !name.chars().all(fine) {
+            return Err(PlaceError::Name(name.to_owned()));
+        }
+        let place = Self(all.join(name));
+        match place.socket() {
+            // A socket is made under a longer name first, and renamed.
+            socket if socket.as_os_str().len() + 11 > LONGEST => Err(PlaceError::Long(socket)),
+            _ => Ok(place),
+        }
+    }
+
+    /// Those that are there, whether their cells live or not.
+    #[must_use]
+    pub fn found(all: &Path) -> Vec<(String, Self)> {
+        let entries = fs::read_dir(all).into_iter().flatten().flatten();
+        let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+        let mut found: Vec<_> =
+            names.filter_map(|name| Some((name.clone(), Self::new(all, &name).ok()?))).collect();
+        found.sort_by(|one, other| one.0.cmp(&other.0));
+        found
+    }
+
+    /// Makes the directory, for this user alone.
+    ///
+    /// # Errors
+    /// The system refuses, or somebody else made it before.
+    pub fn make(&self) -> Result<(), PlaceError> {
+        for path in self.0.parent().into_iter().chain([self.0.as_path()]) {
+            let failed = |source| PlaceError::Io { path: path.to_owned(), source };
+            DirBuilder::new().recursive(true).mode(0o700).create(path).map_err(failed)?;
+            let found = fs::symlink_metadata(path).map_err(failed)?;
+            let ours = found.uid() == rustix::process::geteuid().as_raw();
+            if !found.is_dir() || !ours || found.mode() & 0o077 != 0 {
+                return Err(PlaceError::Foreign(path.to_owned()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Removes it with all that is in it, and the directory of all cells when it was the last.
+    pub fn remove(&self) {
+        if let Err(error) = fs::remove_dir_all(&self.0)
+            && error.kind() != io::ErrorKind::NotFound
+        {
+            tracing::warn!("{} stays behind: {error}", self.0.display());
+        }
+        // Refused as long as another cell has its own there.
+        let _ = self.0.parent().map(fs::remove_dir);
+    }
+
+    /// The socket of its control plane.
+    #[must_use]
+    pub fn socket(&self) -> PathBuf {
+        self.0.join("socket")
+    }
+
+    /// How it is to run.
+    #[must_use]
+    pub fn config(&self) -> PathBuf {
+        self.0.join("config.toml")
+    }
+
+    /// What it is to hold.
+    #[must_use]
+    pub fn journal(&self) -> PathBuf {
+        self.0.join("journal.toml")
+    }
+
+    /// The number of its process.
+    #[must_use]
+    pub fn pid(&self) -> PathBuf {
+        self.0.join("pid")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::os::unix::fs::PermissionsExt as _;
+
+    use super::*;
+
+    #[test]
+    fn a_name_that_leaves_the_directory_is_refused() {
+        let all = Path::new("/run/genomd.sock.cells");
+        for name in ["", "..", "a/b", "-x", "a b", "é", &"x".repeat(33)] {
+            assert!(matches!(Place::new(all, name), Err(PlaceError::Name(_))), "{name}");
+        }
+        let place = Place::new(all, "vision-2").unwrap();
+        assert_eq!(place.socket(), Path::new("/run/genomd.sock.cells/vision-2/socket"));
+        let deep = PathBuf::from(format!("/{}", "d/".repeat(50)));
+        assert!(matches!(Place::new(&deep, "vision"), Err(PlaceError::Long(_))));
+    }
+
+    #[test]
+    fn a_directory_that_others_may_enter_is_refused() {
+        let scratch = tempfile::tempdir().unwrap();
+        let all = of_all(&scratch.path().join("s"));
+        let place = Place::new(&all, "arm").unwrap();
+        place.make().unwrap();
+        assert_eq!(Place::found(&all), [("arm".to_owned(), place.clone())]);
+        fs::set_permissions(&all, fs::Permissions::from_mode(0o755)).unwrap();
+        assert!(matches!(place.make(), Err(PlaceError::Foreign(_))));
+        fs::set_permissions(&all, fs::Permissions::from_mode(0o700)).unwrap();
+        place.remove();
+        assert!(!all.exists());
+    }
+}

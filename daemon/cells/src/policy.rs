@@ -1,0 +1,70 @@
+//! When a process that ended is started again: back-off, and the greatest number in a window.
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+use genom_configuration::CellSettings;
+
+/// The restarts of one cell.
+#[derive(Debug, Default)]
+pub(crate) struct Restarts {
+    /// When the last ones were decided, oldest first; only those within the window.
+    recent: VecDeque<Instant>,
+}
+
+impl Restarts {
+    /// How long to wait before the next start; `None` when there were too many within the window.
+    pub(crate) fn next(&mut self, settings: &CellSettings, now: Instant) -> Option<Duration> {
+        while self.recent.front().is_some_and(|&one| now - one >= settings.restart_window) {
+            self.recent.pop_front();
+        }
+        if self.recent.len() >= settings.restart_most {
+            return None;
+        }
+        let before = i32::try_from(self.recent.len()).unwrap_or(i32::MAX);
+        self.recent.push_back(now);
+        let delay = settings.restart_delay.as_secs_f64() * settings.restart_factor.powi(before);
+        let greatest = settings.restart_delay_max;
+        Some(Duration::try_from_secs_f64(delay).map_or(greatest, |delay| delay.min(greatest)))
+    }
+
+    /// Somebody asked for a start: what was before counts no more.
+    pub(crate) fn forget(&mut self) {
+        self.recent.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn settings() -> CellSettings {
+        CellSettings {
+            restart_delay: Duration::from_millis(20),
+            restart_factor: 4.0,
+            restart_delay_max: Duration::from_secs(1),
+            restart_most: 4,
+            restart_window: Duration::from_secs(60),
+            ..CellSettings::default()
+        }
+    }
+
+    #[test]
+    fn each_restart_within_the_window_waits_longer_up_to_the_greatest_delay() {
+        let (mut restarts, now) = (Restarts::default(), Instant::now());
+        let waits: Vec<_> = (0..4).map(|_| restarts.next(&settings(), now)).collect();
+        let ms = |ms| Some(Duration::from_millis(ms));
+        assert_eq!(waits, [ms(20), ms(80), ms(320), ms(1000)]);
+    }
+
+    #[test]
+    fn too_many_within_the_window_are_the_end_and_later_ones_are_not() {
+        let (mut restarts, start) = (Restarts::default(), Instant::now());
+        for _ in 0..4 {
+            assert!(restarts.next(&settings(), start).is_some());
+        }
+        assert_eq!(restarts.next(&settings(), start + Duration::from_secs(59)), None);
+        let later = start + Duration::from_secs(60);
+        assert_eq!(restarts.next(&settings(), later), Some(Duration::from_millis(20)));
+    }
+}

@@ -1,0 +1,146 @@
+//! The process of a cell: started without a fork, seen to end by its descriptor (`pidfd`).
+
+use std::fs;
+use std::io;
+use std::os::fd::{AsFd as _, OwnedFd};
+use std::os::unix::process::CommandExt as _;
+use std::path::{Path, PathBuf};
+use std::process::{ChildStdin, Command, Stdio};
+use std::sync::Arc;
+use std::thread;
+
+use rustix::event::{PollFd, PollFlags, poll};
+use rustix::io::Errno;
+use rustix::process::{
+    Pid, PidfdFlags, Signal, WaitId, WaitIdOptions, pidfd_open, pidfd_send_signal, waitid,
+};
+use tokio::sync::watch;
+
+use crate::end::End;
+use crate::place::Place;
+
+/// Stack of the thread that waits for an end, in bytes.
+const STACK: usize = 64 * 1024;
+
+/// The process of a cell, this daemon's child or that of a daemon before it.
+#[derive(Debug)]
+pub(crate) struct Process {
+    pid: Pid,
+    handle: Arc<OwnedFd>,
+    /// How it ended, once it has.
+    end: watch::Receiver<Option<End>>,
+    /// Its standard input, which the child sees closed when this daemon ends.
+    _lease: Option<ChildStdin>,
+}
+
+impl Process {
+    /// Starts `program --run-cell NAME` with the files at this place. The child is made by
+    /// `posix_spawn`: a fork would copy the page tables of the daemon while its real-time threads
+    /// run, which costs them periods. In a process group of its own it gets no signal of the
+    /// daemon's terminal.
+    pub(crate) fn start(program: &Path, name: &str, place: &Place) -> io::Result<Self> {
+        let mut child = Command::new(program)
+            .arg("--run-cell")
+            .arg(name)
+            .arg("--config")
+            .arg(place.config())
+            // The variable by which users choose the daemon's would come before the file.
+            .env_remove("GENOMD_SOCKET")
+            .stdin(Stdio::piped())
+            .process_group(0)
+            .spawn()?;
+        let pid = Pid::from_child(&child);
+        let lease = child.stdin.take();
+        // For a daemon that comes after this one, when the cell does not answer it.
+        fs::write(place.pid(), pid.as_raw_nonzero().to_string())?;
+        Self::of(pid, lease)
+    }
+
+    /// A process that another daemon started.
+    pub(crate) fn found(pid: u32) -> io::Result<Self> {
+        let pid = i32::try_from(pid).ok().and_then(Pid::from_raw);
+        Self::of(pid.ok_or(Errno::SRCH)?, None)
+    }
+
+    fn of(pid: Pid, lease: Option<ChildStdin>) -> io::Result<Self> {
+        let handle = Arc::new(pidfd_open(pid, PidfdFlags::empty())?);
+        let (told, end) = watch::channel(None);
+        let watched = Arc::clone(&handle);
+        // A thread, since tokio takes no such descriptor without unsafe code; it sleeps.
+        thread::Builder::new().name("cell-end".to_owned()).stack_size(STACK).spawn(move || {
+            told.send_replace(Some(wait(&watched)));
+        })?;
+        Ok(Self { pid, handle, end, _lease: lease })
+    }
+
+    pub(crate) fn pid(&self) -> u32 {
+        self.pid.as_raw_nonzero().get().unsigned_abs()
+    }
+
+    /// Waits until it has ended, and takes its status.
+    pub(crate) async fn ended(&self) -> End {
+        let mut end = self.end.clone();
+        let ended = end.wait_for(Option::is_some).await;
+        ended.ok().and_then(|end| end.clone()).unwrap_or(End::Unknown)
+    }
+
+    /// Sends it a signal; one that has ended gets none.
+    pub(crate) fn signal(&self, signal: Signal) {
+        let _ = pidfd_send_signal(&*self.handle, signal);
+    }
+}
+
+/// Blocks until the process has ended, whoever started it, and takes its status.
+fn wait(handle: &OwnedFd) -> End {
+    while let Err(Errno::INTR) = poll(&mut [PollFd::new(handle, PollFlags::IN)], None) {}
+    let id = WaitId::PidFd(handle.as_fd());
+    match waitid(id, WaitIdOptions::EXITED | WaitIdOptions::NOHANG) {
+        Ok(Some(status)) => match (status.exit_status(), status.terminating_signal()) {
+            (Some(status), _) => End::Exited(status),
+            (None, Some(signal)) => End::Signal(signal),
+            (None, None) => End::Unknown,
+        },
+        // It was no child of this process.
+        Ok(None) | Err(_) => End::Unknown,
+    }
+}
+
+/// The process that a dead daemon left at a place, if it still is one of its cells.
+pub(crate) fn left(place: &Place, name: &str) -> Option<u32> {
+    let pid: u32 = fs::read_to_string(place.pid()).ok()?.trim().parse().ok()?;
+    // The number may have been given to another process since.
+    let arguments = fs::read(PathBuf::from(format!("/proc/{pid}/cmdline"))).ok()?;
+    let mut words = arguments.split(|byte| *byte == 0);
+    let is_cell = words.any(|word| word == b"--run-cell") && words.next() == Some(name.as_bytes());
+    let config = place.config();
+    let of_place = words.any(|word| word == config.as_os_str().as_encoded_bytes());
+    (is_cell && of_place).then_some(pid)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[allow(clippy::zombie_processes, reason = "what is tested waits for it")]
+    async fn end_of(script: &str) -> End {
+        let child = Command::new("/bin/sh").args(["-c", script]).spawn().unwrap();
+        let process = Process::of(Pid::from_child(&child), None).unwrap();
+        process.ended().await
+    }
+
+    #[tokio::test]
+    async fn the_end_of_a_process_is_seen_with_its_status() {
+        assert_eq!(end_of("exit 3").await, End::Exited(3));
+        assert_eq!(end_of("kill -SEGV $$").await, End::Signal(11));
+    }
+
+    #[tokio::test]
+    async fn a_number_that_was_given_to_another_process_is_no_cell() {
+        let scratch = tempfile::tempdir().unwrap();
+        let place = Place::new(scratch.path(), "arm").unwrap();
+        place.make().unwrap_err();
+        fs::create_dir_all(place.pid().parent().unwrap()).unwrap();
+        fs::write(place.pid(), std::process::id().to_string()).unwrap();
+        assert_eq!(left(&place, "arm"), None);
+    }
+}
