@@ -69,6 +69,7 @@ mod stall;
 mod streams;
 mod tls;
 mod tokens;
+mod within;
 
 pub use access::{Door, Log};
 pub use error::RpcError;
@@ -84,3 +85,4 @@ pub use slots::{Full, Share, Slot, Slots};
 pub use streams::{Events, Streams, Writer, last_heard};
 pub use tls::{Certificates, TlsError, acceptor};
 pub use tokens::{TokenError, Tokens};
+pub use within::answers;

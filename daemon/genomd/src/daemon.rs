@@ -7,6 +7,7 @@ use genom_cells::{Cells, Setup, Told};
 use genom_configuration::RpcSettings;
 use genom_doors::{Slots, Streams};
 use genom_supervisor::Supervisor;
+use genom_systemd::Manager;
 use tokio_util::sync::CancellationToken;
 
 use crate::announcements::Announcements;
@@ -34,6 +35,8 @@ pub(crate) struct Daemon {
     pub(crate) announcements: Announcements,
     /// Progress of loading what the daemon was started with.
     pub(crate) startup: Arc<Startup>,
+    /// The service manager that started this process.
+    pub(crate) manager: Arc<Manager>,
     /// Open streams.
     pub(crate) streams: Streams,
     /// Slots for questions to other daemons.
@@ -57,6 +60,7 @@ impl Daemon {
             name: settings.name.clone(),
             announcements: Announcements::default(),
             startup: Arc::new(Startup::new()),
+            manager: Arc::new(Manager::new(&settings.invitation)),
             streams: Streams::new(rpc.max_streams, rpc.max_streams_per_token, closed.clone()),
             questions: Slots::new(QUESTIONS, QUESTIONS / 4),
             closed,

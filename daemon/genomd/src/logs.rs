@@ -17,9 +17,10 @@ use tracing_subscriber::util::{SubscriberInitExt as _, TryInitError};
 use tracing_subscriber::{EnvFilter, Layer};
 
 /// The crates that a filter for `genomd` includes: to users they are one program.
-const PARTS: [&str; 8] = [
+const PARTS: [&str; 9] = [
     "genomd",
     "genom_cells",
+    "genom_systemd",
     "genom_telemetry",
     "genom_doors",
     "genom_supervisor",

@@ -8,6 +8,7 @@ mod announcements;
 mod check;
 mod cli;
 mod daemon;
+mod life;
 mod logs;
 mod memory;
 mod rpc;
@@ -28,6 +29,7 @@ use crate::cli::Cli;
 use crate::run::Refusal;
 use crate::settings::Settings;
 use genom_cells::OwnCell;
+use genom_systemd::Invitation;
 
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
@@ -56,10 +58,12 @@ fn main() -> ExitCode {
     if cli.dump_config {
         return dump_config(&cli);
     }
+    // While this is the only thread: others could read the environment.
+    let invitation = Invitation::take();
     genom_host::tell_last_words();
     genom_host::guard_process();
     let run = if cli.check { check::run } else { run::run };
-    let outcome = settings(cli).and_then(run);
+    let outcome = settings(cli, invitation).and_then(run);
     genom_host::end_is_ours();
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
@@ -68,10 +72,11 @@ fn main() -> ExitCode {
 }
 
 /// Applies the command line to the configuration file, and checks the result.
-fn settings(cli: Cli) -> Result<Settings, Refusal> {
+fn settings(cli: Cli, invitation: Invitation) -> Result<Settings, Refusal> {
     let config = Config::read(cli.config.as_deref(), &cli.set).map_err(Refusal::usage)?;
     let cell_file = cli.config.clone().filter(|_| cli.run_cell.is_some());
     let mut settings = Settings::new(cli, config).map_err(Refusal::usage)?;
+    settings.invitation = invitation;
     if let Some(file) = cell_file {
         let own = OwnCell::new(&file).map_err(Refusal::usage)?;
         settings.lease = Some(genom_cells::own::take_lease().map_err(Refusal::own)?);

@@ -19,10 +19,12 @@ use genom_supervisor::deploy::ApplyError;
 use genom_supervisor::deploy::Step;
 use genom_supervisor::limits;
 use genom_supervisor::loading::LoadError;
+use genom_systemd::heartbeat;
 use tokio::runtime::Handle;
 
 use crate::announcements;
 use crate::daemon::Daemon;
+use crate::life::Life;
 use crate::memory;
 use crate::rpc;
 use crate::settings::Settings;
@@ -148,7 +150,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     };
     let daemon = Daemon::new(&settings);
     let supervisor = &daemon.supervisor;
-    tokio::spawn(signals.obey(Arc::clone(supervisor), Arc::clone(&tokens)));
+    tokio::spawn(signals.obey(Arc::clone(&daemon), Arc::clone(&tokens)));
     match settings.lease.take().zip(daemon.own_cell.clone()) {
         // Others reach it through its daemon.
         Some((lease, own)) => {
@@ -173,6 +175,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     let most = Most { connections: max_connections, per_token: max_connections_per_token };
     let (listener, socket) = socket.split();
     let router = rpc::router(&daemon, &tokens, Door::own());
+    let life = Life { router: router.clone(), supervisor: Arc::clone(supervisor) };
     let mut entrances = vec![Entrance { listener, router }];
     if let Some(listener) = tcp {
         let tls = daemon.rpc.tls.iter().filter(|tls| tls.client_ca.is_some());
@@ -181,6 +184,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
         entrances.push(Entrance { listener, router: rpc::router(&daemon, &tokens, door) });
     }
     let server = tokio::spawn(serve(entrances, most, daemon.closed.clone()));
+    heartbeat(Arc::clone(&daemon.manager), life, Handle::current()).map_err(Refusal::own)?;
     let outcome = tokio::select! {
         outcome = work(&daemon, &settings) => outcome,
         () = supervisor.forced.raised() => {
@@ -233,7 +237,9 @@ async fn work(daemon: &Daemon, settings: &Settings) -> Result<(), Refusal> {
             startup.ready.raise();
             // Of a cell, its daemon reports it.
             if daemon.own_cell.is_none() {
-                tracing::info!("ready on {}", daemon.rpc.socket.display());
+                let ready = format!("ready on {}", daemon.rpc.socket.display());
+                tracing::info!("{ready}");
+                daemon.manager.ready(&ready);
             }
             tokio::select! {
                 refusal = deploy(daemon, settings, rest) => outcome = Err(refusal),
@@ -244,6 +250,9 @@ async fn work(daemon: &Daemon, settings: &Settings) -> Result<(), Refusal> {
     }
     outcome.and(stop(daemon).await)
 }
+
+/// What steps of starting and stopping may take beyond their limits, as the service manager is told.
+const SPARE: Duration = Duration::from_secs(10);
 
 /// Loads the components of the configuration, in order; stops at the first that is refused. Returns
 /// the remaining steps of the deployment.
@@ -260,11 +269,14 @@ async fn load_all(daemon: &Daemon, settings: &Settings) -> Result<Vec<Step>, Ref
         _ => None,
     });
     startup.begins(names.collect());
+    let longest = supervisor.settings.start_timeout.max(settings.cells.ready_timeout);
     for step in loads {
         let Step::Load(request) = step else { continue };
         if supervisor.stopping() {
             return Ok(Vec::new());
         }
+        let status = format!("loads {}", startup.to_load().join(", then "));
+        daemon.manager.status_of_work(&status, longest + SPARE);
         if let (Some(cell), None) = (&request.cell, &daemon.own_cell) {
             load_into(daemon, settings, cell, &request).await?;
             startup.one_is_loaded();
@@ -402,6 +414,7 @@ async fn unload_all(supervisor: &Arc<Supervisor>) -> Result<(), tokio::task::Joi
 async fn stop(daemon: &Daemon) -> Result<(), Refusal> {
     let supervisor = &daemon.supervisor;
     supervisor.ask_to_stop("a component was refused");
+    daemon.manager.stopping(supervisor.settings.stop_timeout + SPARE);
     let (unloaded, ()) = tokio::join!(unload_all(supervisor), daemon.cells.stop_all());
     unloaded.map_err(|error| {
         Refusal::left_behind(format!("stopping the components ended badly: {error}"))

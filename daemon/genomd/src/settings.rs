@@ -12,6 +12,7 @@ use genom_supervisor::settings::Settings as Supervised;
 
 use crate::cli::Cli;
 use genom_cells::OwnCell;
+use genom_systemd::Invitation;
 use genom_telemetry::Collector;
 
 /// All settings of a run.
@@ -43,6 +44,8 @@ pub(crate) struct Settings {
     pub(crate) config: Config,
     /// What makes this a cell of another daemon, when it is one.
     pub(crate) own_cell: Option<Arc<OwnCell>>,
+    /// What the service manager that started this process left for it.
+    pub(crate) invitation: Invitation,
     /// Of a cell: what its daemon holds open as long as it lives.
     pub(crate) lease: Option<OwnedFd>,
 }
@@ -95,6 +98,7 @@ impl Settings {
             rpc,
             cells,
             own_cell: None,
+            invitation: Invitation::default(),
             lease: None,
             supervisor: config.clone().into(),
             config,

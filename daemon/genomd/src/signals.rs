@@ -6,7 +6,10 @@ use std::time::Duration;
 
 use genom_doors::Tokens;
 use genom_supervisor::Supervisor;
+use genom_systemd::Manager;
 use tokio::signal::unix::{Signal, SignalKind, signal};
+
+use crate::daemon::Daemon;
 
 /// A second signal within this time counts as the same request, sent for instance by both a
 /// terminal and a supervisor.
@@ -39,21 +42,21 @@ impl Signals {
 
     /// Acts on signals until the process ends. A signal to stop that arrives a second or more after
     /// the daemon was asked to stop ends the process at once.
-    pub(crate) async fn obey(mut self, supervisor: Arc<Supervisor>, tokens: Arc<Tokens>) {
+    pub(crate) async fn obey(mut self, daemon: Arc<Daemon>, tokens: Arc<Tokens>) {
         loop {
             let name = tokio::select! {
                 _ = self.interrupt.recv() => Some("SIGINT"),
                 _ = self.terminate.recv() => Some("SIGTERM"),
-                _ = self.hang_up.recv() => self.hung_up(&tokens),
+                _ = self.hang_up.recv() => self.hung_up(&tokens, &daemon.manager),
             };
             if let Some(name) = name {
-                stop(&supervisor, name);
+                stop(&daemon.supervisor, name);
             }
         }
     }
 
     /// Distinguishes the two meanings of SIGHUP: the terminal is gone, or somebody sent the signal.
-    fn hung_up(&mut self, tokens: &Tokens) -> Option<&'static str> {
+    fn hung_up(&mut self, tokens: &Tokens, manager: &Manager) -> Option<&'static str> {
         let ended = self.terminal.has_ended();
         match (ended, self.keep) {
             (true, false) => Some("the terminal was closed"),
@@ -65,9 +68,11 @@ impl Signals {
                 if let Some(by) = genom_host::raised_to_stop() {
                     tracing::warn!("{by}: the tokens are read again");
                 }
+                manager.reloading();
                 if let Err(error) = tokens.read_again() {
                     tracing::error!("the tokens are those of before: {error}");
                 }
+                manager.reloaded();
                 None
             }
             (false, true) => {

@@ -27,5 +27,5 @@ pub use last_words::{end_is_ours, tell_last_words};
 pub use library::{Contents, Digest, EmbeddedDescription, Library, OpenError};
 pub use process::{
     KeptProcess, StandardError, guard_process, keep_from_children, keep_off, raised_to_stop,
-    without_leftovers,
+    take_variable, without_leftovers,
 };

@@ -49,7 +49,12 @@ pub(crate) struct Engine {
     /// Held while a shutdown takes a step.
     pub(crate) advancing: Mutex<()>,
     pub(crate) threads: Mutex<Vec<JoinHandle<()>>>,
+    /// Rounds of the control thread so far; [`OVER`] once it has ended.
+    pub(crate) rounds: AtomicU64,
 }
+
+/// In place of a number of rounds: there is no control thread any more.
+pub(crate) const OVER: u64 = u64::MAX;
 
 /// No activity has this id.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -118,6 +123,7 @@ impl Engine {
             everything: Mutex::new(()),
             advancing: Mutex::new(()),
             threads: Mutex::new(Vec::new()),
+            rounds: AtomicU64::new(0),
         }
     }
 

@@ -12,7 +12,7 @@ use serde_json::Value;
 use crate::api::{Inputs, OnShutdown, Reply};
 use crate::body::Body;
 use crate::clock::nanos;
-use crate::engine::{ActivityStatus, Engine, NoSuchActivity};
+use crate::engine::{ActivityStatus, Engine, NoSuchActivity, OVER};
 use crate::options::Options;
 use crate::plan::{Plan, owner_name};
 use crate::running::{HeldUp, RunningCodel};
@@ -152,6 +152,19 @@ impl Instance {
     pub fn stuck(&self) -> Option<RunningCodel> {
         let all = self.running_codels().into_iter();
         all.filter(|codel| codel.stuck).max_by_key(|codel| codel.for_ns)
+    }
+
+    /// Rounds of the control thread so far. `None` when there is no such thread: on a virtual
+    /// clock, and once the instance has stopped.
+    #[must_use]
+    pub fn control_rounds(&self) -> Option<u64> {
+        self.engine.shared.control.get()?;
+        Some(self.engine.rounds.load(Ordering::Relaxed)).filter(|rounds| *rounds != OVER)
+    }
+
+    /// Asks the control thread for another round.
+    pub fn wake_control(&self) {
+        self.engine.shared.wake_control();
     }
 
     /// Tasks whose cycle has lasted for long although none of their codels is stuck.

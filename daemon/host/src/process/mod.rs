@@ -9,6 +9,7 @@ mod notes;
 mod signals;
 mod stand_ins;
 mod standard;
+mod variables;
 
 pub(crate) use forked::is_child;
 pub use forked::keep_from_children;
@@ -21,6 +22,7 @@ pub use signals::raised_to_stop;
 pub(crate) use signals::take_from as take_signals_from;
 pub(crate) use standard::error_descriptor;
 pub use standard::{StandardError, keep_off};
+pub use variables::take_variable;
 
 /// Call this before codels run: from then on, calls that end the thread or the process are
 /// intercepted, and there is a copy of standard error.

@@ -9,7 +9,7 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use super::{Phase, state_port::PERIOD_NS};
-use crate::engine::Engine;
+use crate::engine::{Engine, OVER};
 
 /// Interval of polling for changes that interest watchers, while activities run.
 const LOOK: Duration = Duration::from_millis(50);
@@ -102,7 +102,9 @@ impl Engine {
             self.attend();
             self.advance_shutdown();
             self.refresh_state();
+            self.rounds.fetch_add(1, Ordering::Relaxed);
             if self.lock().phase == Phase::Stopped {
+                self.rounds.store(OVER, Ordering::Relaxed);
                 return;
             }
         }

@@ -363,6 +363,16 @@ impl Hosted {
         all
     }
 
+    /// Rounds of its control thread so far; `None` without one.
+    pub fn control_rounds(&self) -> Option<u64> {
+        self.instance.control_rounds()
+    }
+
+    /// Asks its control thread for another round.
+    pub fn wake_control(&self) {
+        self.instance.wake_control();
+    }
+
     /// Checks for tasks that never pause; to be called several times a second.
     pub(crate) fn look_for_spins(&self) {
         let unpaused = self.instance.unpaused();

@@ -4,4 +4,5 @@ mod lifecycle;
 mod many;
 mod numbers;
 mod realtime;
+mod service_manager;
 mod signals;

@@ -32,6 +32,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-doors", &["genom-nearest", "genom-proof", "genom-protocol"]),
     ("genom-supervisor", SUPERVISOR),
     ("genom-cells", CELLS),
+    ("genom-systemd", &["genom-host"]),
     ("genom-telemetry", &["genom-configuration", "genom-supervisor"]),
     ("genom-proof", &[]),
     ("genom-nearest", &[]),
@@ -108,11 +109,14 @@ const FLOORS: &[(&str, &str)] = &[
     ),
     (
         "doors",
-        "error slots seldom private holder tokens tls listen stall rights input guests streams \
+        "error within slots seldom private holder tokens tls listen stall rights input guests streams \
          access guard serve relay lib",
     ),
     ("cells", "end policy place journal client follow process setup cell cells merge wire own lib"),
-    ("genomd", "cli memory announcements startup settings logs daemon rpc signals run check main"),
+    (
+        "genomd",
+        "cli memory announcements startup settings logs daemon rpc signals life run check main",
+    ),
 ];
 
 fn relative(path: &Path) -> String {
