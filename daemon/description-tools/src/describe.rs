@@ -7,8 +7,8 @@ use genom_types::{Kind, TypeId, TypeTable};
 use serde_json::{Value, json};
 
 use genom_description::model::{
-    Codel, CodelKind, Component, Dialect, Direction, Parameter, PathStep, Service, ServiceIx,
-    ServiceKind, Source, Specification,
+    Codel, CodelIx, CodelKind, Component, Dialect, Direction, Parameter, PathStep, Service,
+    ServiceIx, ServiceKind, Source, Specification,
 };
 
 /// The whole component as JSON: services, ports, tasks, types, docs and defaults.
@@ -112,10 +112,9 @@ fn parameters(types: &TypeTable, list: &[Parameter]) -> Value {
     list.iter().map(one).collect()
 }
 
-fn codels(component: &Component, types: &TypeTable, ranks: &[usize]) -> Value {
-    ranks
-        .iter()
-        .filter_map(|rank| component.codels.get(*rank))
+fn codels(component: &Component, types: &TypeTable, list: &[CodelIx]) -> Value {
+    list.iter()
+        .filter_map(|ix| component.codels.get(*ix))
         .map(|codel| one_codel(component, types, codel))
         .collect()
 }

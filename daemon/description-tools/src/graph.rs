@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use genom_description::model::{
-    Codel, CodelKind, Component, PortDirection, Service, ServiceKind, Source,
+    Codel, CodelIx, CodelKind, Component, PortDirection, Service, ServiceKind, Source,
 };
 
 /// Languages that diagrams are written in.
@@ -121,9 +121,9 @@ fn service_id(service: &Service) -> String {
 
 impl Picture {
     /// Adds arrows between a part and the ports that its codels use, at most one in each direction.
-    fn data(&mut self, component: &Component, id: &str, codels: &[usize]) {
+    fn data(&mut self, component: &Component, id: &str, codels: &[CodelIx]) {
         let mut seen = std::collections::BTreeSet::new();
-        let codels = codels.iter().filter_map(|rank| component.codels.get(*rank));
+        let codels = codels.iter().filter_map(|ix| component.codels.get(*ix));
         for parameter in codels.flat_map(|codel| &codel.parameters) {
             let Source::Port(rank) = parameter.source else { continue };
             let Some(port) = component.ports.get(rank) else { continue };
@@ -139,14 +139,14 @@ impl Picture {
         }
     }
 
-    fn machine(&mut self, component: &Component, id: &str, title: String, codels: &[usize]) {
+    fn machine(&mut self, component: &Component, id: &str, title: String, codels: &[CodelIx]) {
         let state = |rank: usize| component.states.get(rank).map_or("?", String::as_str);
         let node = |rank: usize| format!("{id}__{}", state(rank));
         let mut machine =
             Machine { id: id.to_owned(), title, states: Vec::new(), arrows: Vec::new() };
         let mut known = std::collections::BTreeSet::new();
         let codels: Vec<&Codel> =
-            codels.iter().filter_map(|rank| component.codels.get(*rank)).collect();
+            codels.iter().filter_map(|ix| component.codels.get(*ix)).collect();
         for codel in &codels {
             let CodelKind::Fsm { triggers, .. } = &codel.kind else { continue };
             for trigger in triggers {

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use genom_description::diagnostic::render;
 use genom_description::model::{
-    CodelKind, Component, Dialect, Direction, Ix as _, PathStep, PortDirection, PortIx,
+    CodelIx, CodelKind, Component, Dialect, Direction, Ix as _, PathStep, PortDirection, PortIx,
     ServiceKind, Source, TaskIx,
 };
 use genom_description::{Analysis, Options, read, read_text};
@@ -27,8 +27,8 @@ fn only(analysis: &Analysis) -> &Component {
 
 fn machine(component: &Component, service: &str) -> Vec<String> {
     let service = component.services.iter().find(|s| s.name == service).unwrap();
-    let show = |node: &usize| {
-        let codel = &component.codels[*node];
+    let show = |ix: &CodelIx| {
+        let codel = &component.codels[*ix];
         let CodelKind::Fsm { triggers, yields } = &codel.kind else { panic!("no state") };
         let from: Vec<_> = triggers.iter().map(|s| component.states[*s].as_str()).collect();
         let to: Vec<_> = yields.iter().map(|y| component.states[y.state].as_str()).collect();

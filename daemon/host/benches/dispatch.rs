@@ -14,7 +14,7 @@ use std::process::Command;
 use std::sync::Arc;
 use std::time::Instant;
 
-use genom_description::model::Owner;
+use genom_description::model::{CodelIx, Owner};
 use genom_host::{Component, Library};
 use genom_runtime::Plan;
 use genom_runtime::body::{Body, Frame, Returned};
@@ -91,8 +91,8 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 /// Runs a codel as a task does, without reading the clock.
-fn dispatch(plan: &Plan, exclusion: &Exclusion, frame: &mut dyn Frame, codel: usize) {
-    let permit = exclusion.enter(0, codel);
+fn dispatch(plan: &Plan, exclusion: &Exclusion, frame: &mut dyn Frame, codel: CodelIx) {
+    let permit = exclusion.enter(0, plan.nodes().codel(codel));
     let returned = frame.call(codel, 0);
     drop(permit);
     let Returned::Event(event) = returned else { return };

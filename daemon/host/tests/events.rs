@@ -4,7 +4,7 @@ mod support;
 
 use expect_test::expect;
 use genom_description::model::Direction::{In, Out};
-use genom_description::model::{Ix as _, Owner, ServiceIx, ServiceKind, TaskIx};
+use genom_description::model::{CodelIx, Ix as _, Owner, ServiceIx, ServiceKind, TaskIx};
 use genom_runtime::body::{Body, Returned};
 use genom_types::Kind;
 use serde_json::json;
@@ -32,7 +32,7 @@ const HEADER: &str = r#"
 "#;
 
 /// Function `f(in long x)` of a component with two exceptions.
-fn one_function() -> (Gen, ServiceIx, usize) {
+fn one_function() -> (Gen, ServiceIx, CodelIx) {
     let mut gen_ = Gen::new();
     let (short, long) = (gen_.ty(Kind::Short), gen_.ty(Kind::Long));
     let what = gen_.string(Some(128));
@@ -195,7 +195,7 @@ fn a_frame_runs_the_codels_of_its_owner_only() {
     let mut frame = loaded.begin(service, json!({}));
     assert_eq!(frame.call(other, 1), Returned::Failed);
     assert_eq!(frame.detail(), Some(json!({ "what": "codel 1 is none of this service" })));
-    assert_eq!(frame.call(usize::MAX, 1), Returned::Failed);
+    assert_eq!(frame.call(CodelIx::new(usize::MAX), 1), Returned::Failed);
     assert_eq!(frame.call(own, usize::MAX), Returned::Failed, "no such context");
 }
 

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 
 use genom_description::model::Direction::{In, InOut, Out};
-use genom_description::model::{Ix as _, Owner, PortDirection, PortIx, ServiceIx, Source};
+use genom_description::model::{CodelIx, Ix as _, Owner, PortDirection, PortIx, ServiceIx, Source};
 use genom_middleware::{PublishError, Publisher, ReadError, Reading, Subscription};
 use genom_runtime::body::{Body, ElementError, Frame, Opener, RemoteCall};
 use genom_types::{Kind, Record, TypeId};
@@ -76,7 +76,11 @@ const HEADER: &str = r#"
 
 /// A component with a port `p` of struct `s { long a; string t; }` and an activity whose codel gets
 /// the port and a number.
-fn one_port(direction: PortDirection, multiple: bool, c: &str) -> (Loaded, Box<dyn Frame>, usize) {
+fn one_port(
+    direction: PortDirection,
+    multiple: bool,
+    c: &str,
+) -> (Loaded, Box<dyn Frame>, CodelIx) {
     let mut gen_ = Gen::new();
     let long = gen_.ty(Kind::Long);
     let text = gen_.string(None);
@@ -102,7 +106,7 @@ fn only_port() -> PortIx {
 }
 
 /// Calls `f(x, port, &y)`; returns its event, its detail and `y`.
-fn step(loaded: &Loaded, frame: &mut dyn Frame, codel: usize, x: i32) -> (String, Value) {
+fn step(loaded: &Loaded, frame: &mut dyn Frame, codel: CodelIx, x: i32) -> (String, Value) {
     let ty = loaded.specification.components[0].services[ServiceIx::new(0)].input;
     let input = support::generator::record(&loaded.specification, ty, json!({ "x": x }));
     frame.begin(&input);

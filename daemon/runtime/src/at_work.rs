@@ -5,6 +5,8 @@
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
+use genom_description::model::{CodelIx, Ix as _};
+
 /// The codel that one context runs.
 #[derive(Debug, Default)]
 pub(crate) struct AtWork {
@@ -17,10 +19,10 @@ pub(crate) struct AtWork {
 impl AtWork {
     /// Records that a codel is called at this date.
     #[inline]
-    pub(crate) fn begins(&self, codel: usize, date: u64) {
+    pub(crate) fn begins(&self, codel: CodelIx, date: u64) {
         // The date first: a reader that sees the codel must not see the date of an earlier call.
         self.since.store(date, Ordering::Relaxed);
-        let number = u32::try_from(codel + 1).unwrap_or(u32::MAX);
+        let number = u32::try_from(codel.index() + 1).unwrap_or(u32::MAX);
         self.codel.store(number, Ordering::Release);
     }
 
@@ -31,9 +33,9 @@ impl AtWork {
     }
 
     /// The running codel, and the date of its call.
-    pub(crate) fn look(&self) -> Option<(usize, u64)> {
+    pub(crate) fn look(&self) -> Option<(CodelIx, u64)> {
         let codel = (self.codel.load(Ordering::Acquire) as usize).checked_sub(1)?;
-        Some((codel, self.since.load(Ordering::Relaxed)))
+        Some((CodelIx::new(codel), self.since.load(Ordering::Relaxed)))
     }
 }
 
@@ -45,8 +47,9 @@ mod tests {
     fn a_codel_shows_from_its_call_to_its_return() {
         let at_work = AtWork::default();
         assert_eq!(at_work.look(), None);
-        at_work.begins(0, 7);
-        assert_eq!(at_work.look(), Some((0, 7)));
+        let codel = CodelIx::new(0);
+        at_work.begins(codel, 7);
+        assert_eq!(at_work.look(), Some((codel, 7)));
         at_work.ends();
         assert_eq!(at_work.look(), None);
     }

@@ -4,7 +4,7 @@
 //! runtime guarantees the exclusion rules (genom3.md 4.5): while it calls a codel or a transfer,
 //! nothing that conflicts with it runs, and one frame is used by one thread at a time.
 
-use genom_description::model::{Owner, PortIx, RemoteIx};
+use genom_description::model::{CodelIx, Owner, PortIx, RemoteIx};
 use genom_middleware::{Publisher, Subscription};
 use genom_types::Record;
 use serde_json::Value;
@@ -144,14 +144,14 @@ pub trait Frame: Send {
     /// a record of its inputs. A body without IDS copies nothing.
     fn current(&mut self, _inputs: &mut Record) {}
 
-    /// Calls the codel with this index in [`Component::codels`](genom_description::model::Component::codels).
+    /// Calls a codel of the service.
     ///
     /// `context` is the index of the `genom_context` to pass (genom3.md 5.4). Indices below the
     /// number of tasks are those of the tasks; the others, up to
     /// [`Plan::contexts`](crate::plan::Plan::contexts), are those of the control workers, which
     /// serve requests in parallel if they do not conflict. One context is used by one thread at a
     /// time.
-    fn call(&mut self, codel: usize, context: usize) -> Returned;
+    fn call(&mut self, codel: CodelIx, context: usize) -> Returned;
 
     /// Full name of what the last call returned, if it was [`Returned::Unknown`].
     fn returned(&self) -> String;

@@ -7,6 +7,8 @@
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering, fence};
 use std::time::Duration;
 
+use genom_description::model::{CodelIx, Ix as _};
+
 use crate::histogram::{Durations, Histogram};
 
 /// In place of a date when no cycle is under way.
@@ -41,7 +43,7 @@ pub(crate) struct Lasting {
     /// How often a codel yielded a state without pause.
     pub(crate) steps: u64,
     /// The last codel that did.
-    pub(crate) codel: usize,
+    pub(crate) codel: CodelIx,
 }
 
 /// Totals up to a date, including the cycle under way.
@@ -87,8 +89,8 @@ impl Cycles {
 
     /// A codel of the cycle yielded a state without pause.
     #[inline]
-    pub(crate) fn goes_on(&self, codel: usize) {
-        self.codel.store(u32::try_from(codel).unwrap_or(u32::MAX), Ordering::Relaxed);
+    pub(crate) fn goes_on(&self, codel: CodelIx) {
+        self.codel.store(u32::try_from(codel.index()).unwrap_or(u32::MAX), Ordering::Relaxed);
         self.steps.store(self.steps.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
     }
 
@@ -124,7 +126,7 @@ impl Cycles {
                 began,
                 for_ns: now.saturating_sub(began),
                 steps: self.steps.load(Ordering::Relaxed),
-                codel: self.codel.load(Ordering::Relaxed) as usize,
+                codel: CodelIx::new(self.codel.load(Ordering::Relaxed) as usize),
             })
         })
     }
@@ -177,10 +179,10 @@ mod tests {
             (figures.count, figures.mean_ns, figures.max_ns, figures.p50_ns),
             (1, 30, 30, 30)
         );
-        cycles.goes_on(7);
-        cycles.goes_on(8);
+        cycles.goes_on(CodelIx::new(7));
+        cycles.goes_on(CodelIx::new(8));
         let lasting = cycles.lasting(140).unwrap();
-        assert_eq!((lasting.for_ns, lasting.steps, lasting.codel), (40, 2, 8));
+        assert_eq!((lasting.for_ns, lasting.steps, lasting.codel.index()), (40, 2, 8));
         cycles.ends(150);
         assert_eq!(cycles.total(990), Total { cycles: 1, busy_ns: 50 });
         assert_eq!(cycles.lasting(990), None);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use genom_description::model::{PortIx, ServiceIx, TaskIx};
+use genom_description::model::{Codel, CodelIx, PortIx, ServiceIx, TaskIx};
 use genom_types::Record;
 use serde_json::Value;
 
@@ -224,8 +224,8 @@ impl Instance {
                 overruns: shared.figures.overruns.read(shared.timing, now),
             }
         };
-        let codel = |(rank, codel): (usize, &genom_description::model::Codel)| {
-            let figures = &shared.codels[rank];
+        let codel = |(ix, codel): (CodelIx, &Codel)| {
+            let figures = &shared.codels[ix];
             CodelStatistics {
                 name: codel.name.clone(),
                 owner: owner_name(model, codel.owner).to_owned(),
@@ -238,8 +238,7 @@ impl Instance {
             tasks: model.tasks.pairs().map(task).collect(),
             codels: model
                 .codels
-                .iter()
-                .enumerate()
+                .pairs()
                 .map(codel)
                 .filter(|codel| codel.durations.count > 0)
                 .collect(),

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use genom_description::model::CodelIx;
+
 /// A codel that runs now.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RunningCodel {
@@ -16,7 +18,7 @@ pub struct RunningCodel {
     /// Whether it counts as stuck because of that.
     pub stuck: bool,
     /// Its index in the model, and the context that it runs in.
-    pub(crate) place: (usize, usize),
+    pub(crate) place: (CodelIx, usize),
     /// Monotonic date of its call; together with the context it identifies the call.
     pub(crate) since: u64,
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread::Thread;
 
-use genom_description::model::{Indexed, Owner, TaskIx};
+use genom_description::model::{CodelIx, Indexed, Owner, TaskIx};
 use rtrb::Producer;
 
 use crate::at_work::AtWork;
@@ -25,9 +25,9 @@ pub(crate) struct Shared {
     pub(crate) clock: Clock,
     pub(crate) exclusion: Exclusion,
     pub(crate) tasks: Indexed<TaskIx, TaskShared>,
-    pub(crate) codels: Box<[CodelFigures]>,
+    pub(crate) codels: Indexed<CodelIx, CodelFigures>,
     /// `wcet` of each codel in nanoseconds, `u64::MAX` without one.
-    wcet: Box<[u64]>,
+    wcet: Indexed<CodelIx, u64>,
     /// The codel that each context runs.
     pub(crate) at_work: Box<[AtWork]>,
     /// The control thread, once it runs; there is none with a virtual clock.
@@ -101,7 +101,7 @@ impl Shared {
 
     /// Records a call of a codel and its duration.
     #[inline]
-    pub(crate) fn called(&self, codel: usize, ns: u64) {
+    pub(crate) fn called(&self, codel: CodelIx, ns: u64) {
         let figures = &self.codels[codel];
         figures.durations.record(ns);
         if ns > self.wcet[codel] {
@@ -110,7 +110,7 @@ impl Shared {
     }
 
     /// The codel that a context runs now.
-    pub(crate) fn current(&self, context: usize) -> Option<usize> {
+    pub(crate) fn current(&self, context: usize) -> Option<CodelIx> {
         self.at_work[context].look().map(|(codel, _)| codel)
     }
 

@@ -4,7 +4,7 @@
 
 use std::time::{Duration, Instant};
 
-use genom_description::model::{Component, Ix as _, Owner, ServiceIx, TaskIx};
+use genom_description::model::{CodelIx, Component, Ix as _, Owner, ServiceIx, TaskIx};
 
 use crate::body::Body;
 use crate::clock::{monotonic, nanos};
@@ -36,23 +36,23 @@ impl Engine {
     }
 
     fn running_codel(&self, context: usize, now: u64) -> Option<RunningCodel> {
-        let (rank, since) = self.shared.at_work[context].look()?;
+        let (ix, since) = self.shared.at_work[context].look()?;
         let model: &Component = self.shared.plan.component();
-        let codel = model.codels.get(rank)?;
+        let codel = model.codels.get(ix)?;
         let for_ns = now.saturating_sub(since);
         Some(RunningCodel {
             codel: codel.name.clone(),
             owner: owner_name(model, codel.owner).to_owned(),
             task: model.tasks.get(TaskIx::new(context)).map(|task| task.name.clone()),
             for_ns,
-            stuck: for_ns > self.stuck_limit(rank, context),
-            place: (rank, context),
+            stuck: for_ns > self.stuck_limit(ix, context),
+            place: (ix, context),
             since,
         })
     }
 
     /// Nanoseconds after which a codel in a context counts as stuck.
-    fn stuck_limit(&self, codel: usize, context: usize) -> u64 {
+    fn stuck_limit(&self, codel: CodelIx, context: usize) -> u64 {
         // A codel with a `wcet` counts as stuck only beyond it.
         let stated = self.shared.plan.component().codels[codel].wcet.map_or(0, nanos);
         self.patience_with(context).max(stated)

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
+use genom_description::model::Node;
 use genom_runtime::Plan;
 use genom_runtime::exclusion::Exclusion;
 use genom_runtime::plan::Nodes;
@@ -273,9 +274,9 @@ fn the_example_of_4_5_gives_the_table_printed_there() {
 /// Names of the nodes that conflict with a codel or an attribute, except itself.
 fn with_names(plan: &Plan, node: &str) -> Vec<String> {
     let model = plan.component();
-    let name = |rank: usize| match model.transferred_by(rank) {
-        None => model.codels[rank].name.clone(),
-        Some(service) => model.services[service].name.clone(),
+    let name = |rank: usize| match model.node(rank) {
+        Node::Codel(codel) => model.codels[codel].name.clone(),
+        Node::Transfer(service) => model.services[service].name.clone(),
     };
     let rank = (0..plan.nodes().len()).find(|rank| name(*rank) == node).unwrap();
     let others = plan.nodes().conflicts(rank).iter().filter(|other| **other != rank);

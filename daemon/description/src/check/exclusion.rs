@@ -8,8 +8,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use super::Checker;
 use crate::diagnostic::Diagnostic;
 use crate::model::{
-    Codel, CodelKind, Component, Direction, Indexed, Owner, PathStep, PortIx, ServiceIx,
-    ServiceKind, Source, TaskIx,
+    Codel, CodelIx, CodelKind, Component, Direction, Indexed, Node, Owner, PathStep, PortIx,
+    ServiceIx, ServiceKind, Source, TaskIx,
 };
 
 /// The task that runs a codel; `None` for the control task.
@@ -77,7 +77,8 @@ impl<'m> Sharing<'m> {
             whole: BTreeMap::new(),
             any: BTreeMap::new(),
         };
-        for (node, codel) in component.codels.iter().enumerate() {
+        for (ix, codel) in component.codels.pairs() {
+            let node = component.node_number(Node::Codel(ix));
             for parameter in &codel.parameters {
                 match &parameter.source {
                     // Rule 3: ports always conflict, remotes never.
@@ -94,7 +95,7 @@ impl<'m> Sharing<'m> {
             }
         }
         for (ix, service) in component.services.pairs() {
-            let node = component.transfer_node(ix);
+            let node = component.node_number(Node::Transfer(ix));
             for parameter in &service.parameters {
                 if let Some(target) = &parameter.target {
                     // The other way round than for codels: an attribute's `in` writes the member.
@@ -159,17 +160,21 @@ impl<'m> Sharing<'m> {
     /// The accesses of a node, without repetitions.
     fn accesses(&self, node: usize) -> HashSet<(Option<Key>, &'m [PathStep], bool)> {
         let component = self.component;
-        if let Some(codel) = component.codels.get(node) {
-            let touch = |p: &'m crate::model::CodelParameter| match &p.source {
-                Source::Port(port) => Some((Some(Key::Port(*port)), &[][..], true)),
-                Source::Ids { path } => {
-                    Some((ids_key(path), &path[..], p.direction != Direction::In))
-                }
-                _ => None,
-            };
-            return codel.parameters.iter().filter_map(touch).collect();
-        }
-        let service = component.transferred_by(node).and_then(|ix| component.services.get(ix));
+        let service = match component.node(node) {
+            Node::Codel(ix) => {
+                let touch = |p: &'m crate::model::CodelParameter| match &p.source {
+                    Source::Port(port) => Some((Some(Key::Port(*port)), &[][..], true)),
+                    Source::Ids { path } => {
+                        Some((ids_key(path), &path[..], p.direction != Direction::In))
+                    }
+                    _ => None,
+                };
+                let parameters =
+                    component.codels.get(ix).map_or(&[][..], |codel| &codel.parameters);
+                return parameters.iter().filter_map(touch).collect();
+            }
+            Node::Transfer(ix) => component.services.get(ix),
+        };
         let parameters = service.map_or(&[][..], |service| &service.parameters);
         let moved = parameters.iter().filter_map(|p| Some((p, p.target.as_ref()?)));
         moved.map(|(p, t)| (ids_key(&t.path), &t.path[..], p.direction != Direction::Out)).collect()
@@ -177,7 +182,6 @@ impl<'m> Sharing<'m> {
 
     /// The whole relation; `None` when the limit is exceeded.
     pub(super) fn table(&self) -> Option<Vec<Vec<usize>>> {
-        let codels = self.component.codels.len();
         let services = &self.component.services;
         let interrupted = services.map(|_, service| match service.interrupts.len() {
             all if all == services.len() => Interrupted::All,
@@ -187,11 +191,14 @@ impl<'m> Sharing<'m> {
         (0..self.contexts.len())
             .map(|node| {
                 let mut list = self.conflicts(node, false, &mut effort)?;
-                if node < codels {
-                    list.retain(|other| !self.is_interrupted_by(node, *other, &interrupted));
-                } else {
+                match self.component.node(node) {
+                    Node::Codel(_) => {
+                        list.retain(|other| !self.is_interrupted_by(node, *other, &interrupted));
+                    }
                     // An attribute excludes what tasks run; the control task is sequential.
-                    list.retain(|other| self.contexts.get(*other).copied().flatten().is_some());
+                    Node::Transfer(_) => {
+                        list.retain(|other| self.contexts.get(*other).copied().flatten().is_some());
+                    }
                 }
                 Some(list)
             })
@@ -206,17 +213,12 @@ impl<'m> Sharing<'m> {
         other: usize,
         by: &Indexed<ServiceIx, Interrupted>,
     ) -> bool {
-        let owner = |node: usize| self.component.codels.get(node).map(|codel| codel.owner);
-        let (Some(Owner::Service(own)), Some(Owner::Service(theirs))) = (owner(node), owner(other))
-        else {
+        let codel = |node: usize| self.component.codel_of_node(node);
+        let (Some(node), Some(other)) = (codel(node), codel(other)) else { return false };
+        let (Owner::Service(own), Owner::Service(theirs)) = (node.owner, other.owner) else {
             return false;
         };
-        let machine = self
-            .component
-            .codels
-            .get(other)
-            .is_some_and(|codel| matches!(codel.kind, CodelKind::Fsm { .. }));
-        machine
+        matches!(other.kind, CodelKind::Fsm { .. })
             && by.get(theirs).is_some_and(|interrupted| match interrupted {
                 Interrupted::All => true,
                 Interrupted::Some(list) => list.contains(&own),
@@ -227,7 +229,7 @@ impl<'m> Sharing<'m> {
     // dialects.md A: a service of the papers interrupts these, unless it lists others.
     pub(super) fn incompatible(&self) -> Option<Indexed<ServiceIx, Vec<ServiceIx>>> {
         let services = &self.component.services;
-        let activity = |node: usize| match self.component.codels.get(node)?.owner {
+        let activity = |node: usize| match self.component.codel_of_node(node)?.owner {
             Owner::Service(rank)
                 if services.get(rank).is_some_and(|s| s.kind == ServiceKind::Activity) =>
             {
@@ -243,8 +245,9 @@ impl<'m> Sharing<'m> {
                     return Some(Vec::new());
                 }
                 let mut list = BTreeSet::new();
-                for node in &service.codels {
-                    let conflicts = self.conflicts(*node, true, &mut effort)?;
+                for codel in &service.codels {
+                    let node = self.component.node_number(Node::Codel(*codel));
+                    let conflicts = self.conflicts(node, true, &mut effort)?;
                     list.extend(conflicts.into_iter().filter_map(activity));
                 }
                 Some(list.into_iter().collect())
@@ -283,17 +286,20 @@ impl Checker {
             return;
         }
         let exempt = start_and_stop(component);
-        for (node, codel) in component.codels.iter().enumerate().filter(|(_, c)| c.asynchronous) {
-            let other = component.exclusion(node).iter().find(|other| !exempt.contains(other));
-            let Some(&other) = other else { continue };
-            let (what, span) = match component.codels.get(other) {
-                Some(other) => (format!("codel `{}`", other.name), other.span),
-                None => {
-                    match component.transferred_by(other).and_then(|ix| component.services.get(ix))
-                    {
-                        Some(service) => (format!("service `{}`", service.name), service.span),
-                        None => continue,
-                    }
+        for (ix, codel) in component.codels.pairs().filter(|(_, codel)| codel.asynchronous) {
+            let others = component.exclusion(component.node_number(Node::Codel(ix))).iter();
+            let mut others = others.map(|other| component.node(*other));
+            let sharing =
+                |other: &Node| !matches!(other, Node::Codel(other) if exempt.contains(other));
+            let (what, span) = match others.find(sharing) {
+                None => continue,
+                Some(Node::Codel(other)) => {
+                    let other = &component.codels[other];
+                    (format!("codel `{}`", other.name), other.span)
+                }
+                Some(Node::Transfer(other)) => {
+                    let service = &component.services[other];
+                    (format!("service `{}`", service.name), service.span)
                 }
             };
             let message = format!("async codel `{}` shares data with {what}", codel.name);
@@ -307,23 +313,23 @@ impl Checker {
 }
 
 /// Permanent codels that run at start-up, and those that cannot be reached from `start`.
-fn start_and_stop(component: &Component) -> HashSet<usize> {
+fn start_and_stop(component: &Component) -> HashSet<CodelIx> {
     let mut exempt = HashSet::new();
     for task in &component.tasks {
-        let mut by_state: HashMap<usize, usize> = HashMap::new();
-        for node in &task.codels {
+        let mut by_state: HashMap<usize, CodelIx> = HashMap::new();
+        for ix in &task.codels {
             if let Some(CodelKind::Fsm { triggers, .. }) =
-                component.codels.get(*node).map(|codel| &codel.kind)
+                component.codels.get(*ix).map(|codel| &codel.kind)
             {
-                triggers.iter().for_each(|state| _ = by_state.entry(*state).or_insert(*node));
+                triggers.iter().for_each(|state| _ = by_state.entry(*state).or_insert(*ix));
             }
         }
         let start = component.states.iter().position(|name| name == "start");
         let start = start.and_then(|state| by_state.get(&state).copied());
-        let mut seen: HashSet<usize> = start.into_iter().collect();
-        let mut todo: Vec<usize> = start.into_iter().collect();
-        while let Some(node) = todo.pop() {
-            let Some(CodelKind::Fsm { yields, .. }) = component.codels.get(node).map(|c| &c.kind)
+        let mut seen: HashSet<CodelIx> = start.into_iter().collect();
+        let mut todo: Vec<CodelIx> = start.into_iter().collect();
+        while let Some(ix) = todo.pop() {
+            let Some(CodelKind::Fsm { yields, .. }) = component.codels.get(ix).map(|c| &c.kind)
             else {
                 continue;
             };
@@ -334,7 +340,7 @@ fn start_and_stop(component: &Component) -> HashSet<usize> {
             }
         }
         exempt.extend(start);
-        exempt.extend(task.codels.iter().filter(|node| !seen.contains(node)));
+        exempt.extend(task.codels.iter().filter(|ix| !seen.contains(ix)));
     }
     exempt
 }

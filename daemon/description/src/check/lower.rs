@@ -13,8 +13,8 @@ use super::exclusion::Sharing;
 use super::state::{self, BodyId, CodelState, Role, add_throws};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::model::{
-    AttributeTarget, Codel, CodelKind, CodelParameter, Component, Dialect, Direction, Indexed,
-    Interface, Ix as _, Owner, Parameter, Port, PortDirection, Remote, RemoteIx, Service,
+    AttributeTarget, Codel, CodelIx, CodelKind, CodelParameter, Component, Dialect, Direction,
+    Indexed, Interface, Ix as _, Owner, Parameter, Port, PortDirection, Remote, RemoteIx, Service,
     ServiceIx, ServiceKind, Sink, Source, Specification, Task, TaskIx,
 };
 use crate::syntax;
@@ -102,7 +102,7 @@ impl Checker {
             }
         }
         let remotes = self.lower_remotes(id, made);
-        let mut codels = Vec::new();
+        let mut codels = Indexed::default();
         let mut tasks = Vec::new();
         // Moved, not copied: services are most of a large component.
         let mut taken = std::mem::take(&mut self.bodies[id].services);
@@ -379,13 +379,12 @@ fn complete(component: &mut Component) -> bool {
 }
 
 fn add_codels(
-    codels: &mut Vec<Codel>,
+    codels: &mut Indexed<CodelIx, Codel>,
     from: Vec<CodelState>,
     owner: Owner,
     remotes: &Indexed<RemoteIx, Remote>,
-) -> Vec<usize> {
-    let first = codels.len();
-    for codel in from {
+) -> Vec<CodelIx> {
+    let add = |codel: CodelState| {
         let kind = match codel.role {
             Role::Validate => CodelKind::Validate,
             Role::Simple => CodelKind::Simple,
@@ -409,9 +408,9 @@ fn add_codels(
             parameters: parameters.collect(),
             wcet: codel.wcet.map(duration),
             span: codel.syntax.name.span,
-        });
-    }
-    (first..codels.len()).collect()
+        })
+    };
+    from.into_iter().map(add).collect()
 }
 
 fn lower_parameter(parameter: state::Parameter) -> Parameter {

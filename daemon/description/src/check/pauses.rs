@@ -6,7 +6,7 @@ use std::collections::HashMap;
 
 use super::Checker;
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::model::{CodelKind, Component, Dialect, Task};
+use crate::model::{CodelIx, CodelKind, Component, Dialect, Task};
 
 impl Checker {
     /// Warns of such cycles, unless errors leave the component partly unknown.
@@ -28,7 +28,7 @@ impl Checker {
 }
 
 /// One state machine that the task runs.
-fn warning(component: &Component, task: &Task, codels: &[usize]) -> Option<Diagnostic> {
+fn warning(component: &Component, task: &Task, codels: &[CodelIx]) -> Option<Diagnostic> {
     task.period?;
     let machine = Machine::new(component, codels);
     let cycle = machine.cycle()?;
@@ -65,18 +65,18 @@ fn warning(component: &Component, task: &Task, codels: &[usize]) -> Option<Diagn
 /// The states of a machine whose codels never pause, with their successors.
 struct Machine {
     /// Codel of each state.
-    codel: HashMap<usize, usize>,
+    codel: HashMap<usize, CodelIx>,
     /// The same states, in the order of the text.
     states: Vec<usize>,
     next: HashMap<usize, Vec<usize>>,
 }
 
 impl Machine {
-    fn new(component: &Component, codels: &[usize]) -> Self {
+    fn new(component: &Component, codels: &[CodelIx]) -> Self {
         let (mut codel, mut states, mut next) = (HashMap::new(), Vec::new(), HashMap::new());
-        for &rank in codels {
+        for &ix in codels {
             let Some(CodelKind::Fsm { triggers, yields }) =
-                component.codels.get(rank).map(|codel| &codel.kind)
+                component.codels.get(ix).map(|codel| &codel.kind)
             else {
                 continue;
             };
@@ -84,7 +84,7 @@ impl Machine {
                 continue;
             }
             for &state in triggers {
-                codel.insert(state, rank);
+                codel.insert(state, ix);
                 states.push(state);
                 next.insert(state, yields.iter().map(|one| one.state).collect::<Vec<_>>());
             }

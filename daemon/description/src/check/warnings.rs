@@ -5,7 +5,8 @@ use std::collections::{HashMap, HashSet};
 use super::Checker;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::model::{
-    Codel, CodelKind, Component, Direction, Owner, PathStep, Service, ServiceKind, Source, Span,
+    Codel, CodelIx, CodelKind, Component, Direction, Owner, PathStep, Service, ServiceKind, Source,
+    Span,
 };
 
 impl Checker {
@@ -24,7 +25,7 @@ impl Checker {
 /// afterwards: what is written is lost. Parameters keep their values from codel to codel, so an
 /// activity may count in one.
 fn warn_directions(component: &Component, out: &mut Diagnostics) {
-    for (node, codel) in component.codels.iter().enumerate() {
+    for (ix, codel) in component.codels.pairs() {
         // A validate codel may edit the value it checks (genom3.md 7.3).
         let (Owner::Service(rank), false) =
             (codel.owner, matches!(codel.kind, CodelKind::Validate))
@@ -37,7 +38,7 @@ fn warn_directions(component: &Component, out: &mut Diagnostics) {
             let Source::Parameter { index, path } = &parameter.source else { continue };
             let Some(declared) = service.parameters.get(*index) else { continue };
             if declared.direction == Direction::In && parameter.direction != Direction::In {
-                let later = later.get_or_insert_with(|| run_later(component, service, node));
+                let later = later.get_or_insert_with(|| run_later(component, service, ix));
                 if later.iter().any(|codel| reads(codel, *index, path)) {
                     continue;
                 }
@@ -55,12 +56,12 @@ fn warn_directions(component: &Component, out: &mut Diagnostics) {
 }
 
 /// Codels of a service that may run after another one, including itself if it can run again.
-fn run_later<'m>(component: &'m Component, service: &Service, node: usize) -> Vec<&'m Codel> {
+fn run_later<'m>(component: &'m Component, service: &Service, before: CodelIx) -> Vec<&'m Codel> {
     let all = || service.codels.iter().filter_map(|rank| component.codels.get(*rank));
-    let Some(CodelKind::Fsm { yields, .. }) = component.codels.get(node).map(|codel| &codel.kind)
+    let Some(CodelKind::Fsm { yields, .. }) = component.codels.get(before).map(|codel| &codel.kind)
     else {
         // Simple codels run one after the other.
-        let after = service.codels.iter().skip_while(|rank| **rank != node).skip(1);
+        let after = service.codels.iter().skip_while(|rank| **rank != before).skip(1);
         return after.filter_map(|rank| component.codels.get(*rank)).collect();
     };
     // Also the `stop` codel, after an interruption, and those of external events.

@@ -5,8 +5,8 @@ use std::time::Duration;
 use genom_types::{ScopedName, TypeId};
 
 use super::{
-    Codel, Indexed, Ix as _, Parameter, PortIx, RemoteIx, Service, ServiceIx, ServiceKind, Span,
-    TaskIx,
+    Codel, CodelIx, Indexed, Ix as _, Parameter, PortIx, RemoteIx, Service, ServiceIx, ServiceKind,
+    Span, TaskIx,
 };
 
 /// Which generation of the language a component was written in (dialects.md).
@@ -51,8 +51,8 @@ pub struct Component {
     pub remotes: Indexed<RemoteIx, Remote>,
     /// Services in order, those of interface `genom` first.
     pub services: Indexed<ServiceIx, Service>,
-    /// Codels of tasks and services; lists of `usize` elsewhere in the model index into it.
-    pub codels: Vec<Codel>,
+    /// Codels of tasks and services.
+    pub codels: Indexed<CodelIx, Codel>,
     /// State names in order of first use, without scope: `ether`, `start`, `stop`, then others.
     /// States are indices into it; `pause::x` is the state `x` with a pause. Where no codel of the
     /// machine has the state `sleep`, yielding it waits for an external event or `stop`
@@ -78,16 +78,31 @@ impl Component {
         ScopedName::new([self.name.as_str()])
     }
 
-    /// The node that stands for the data transfer of a service, see [`exclusion`](Self::exclusion).
+    /// The number of a node, see [`exclusion`](Self::exclusion).
     #[must_use]
-    pub fn transfer_node(&self, service: ServiceIx) -> usize {
-        self.codels.len() + service.index()
+    pub fn node_number(&self, node: Node) -> usize {
+        match node {
+            Node::Codel(codel) => codel.index(),
+            Node::Transfer(service) => self.codels.len() + service.index(),
+        }
     }
 
-    /// The service whose data transfer a node stands for; `None` for a codel.
+    /// The node with this number. Whether the component has it is for the caller to check.
     #[must_use]
-    pub fn transferred_by(&self, node: usize) -> Option<ServiceIx> {
-        node.checked_sub(self.codels.len()).map(ServiceIx::new)
+    pub fn node(&self, number: usize) -> Node {
+        match number.checked_sub(self.codels.len()) {
+            None => Node::Codel(CodelIx::new(number)),
+            Some(service) => Node::Transfer(ServiceIx::new(service)),
+        }
+    }
+
+    /// The codel that the node with this number stands for; `None` for a data transfer.
+    #[must_use]
+    pub fn codel_of_node(&self, number: usize) -> Option<&Codel> {
+        match self.node(number) {
+            Node::Codel(codel) => self.codels.get(codel),
+            Node::Transfer(_) => None,
+        }
     }
 
     /// The nodes that may not run while `node` runs.
@@ -99,6 +114,15 @@ impl Component {
     pub fn exclusion(&self, node: usize) -> &[usize] {
         self.exclusion.get(node).map_or(&[], Vec::as_slice)
     }
+}
+
+/// What may not run at the same time as another, see [`Component::exclusion`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Node {
+    /// A codel.
+    Codel(CodelIx),
+    /// The data transfer of a service.
+    Transfer(ServiceIx),
 }
 
 /// An interface: a partial component that others provide or use.
@@ -134,7 +158,7 @@ pub struct Task {
     /// `stack`, in bytes.
     pub stack: Option<u64>,
     /// State-machine codels of its permanent activity.
-    pub codels: Vec<usize>,
+    pub codels: Vec<CodelIx>,
     /// Exceptions its codels may throw: the component's and its own.
     pub throws: Vec<TypeId>,
     /// Where it is declared.

@@ -1,5 +1,5 @@
-//! Typed indices of ports, services and tasks into the lists of a component: the compiler refuses
-//! one in place of another.
+//! Typed indices of ports, services, tasks, remotes and codels into the lists of a component: the
+//! compiler refuses one in place of another.
 
 use std::fmt;
 use std::iter::FromIterator;
@@ -50,8 +50,10 @@ places! {
     ServiceIx;
     /// Index of a task in [`Component::tasks`](super::Component::tasks).
     TaskIx;
-    /// A remote of a component: its place in [`Component::remotes`](super::Component::remotes).
+    /// Index of a remote in [`Component::remotes`](super::Component::remotes).
     RemoteIx;
+    /// Index of a codel in [`Component::codels`](super::Component::codels).
+    CodelIx;
 }
 
 /// A list that can be indexed with one type of index only.

@@ -2,7 +2,7 @@
 
 use genom_types::TypeId;
 
-use super::{PathStep, ServiceIx, Span, TaskIx};
+use super::{CodelIx, PathStep, ServiceIx, Span, TaskIx};
 
 /// The three kinds of services (genom3.md 7.12).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -43,9 +43,9 @@ pub struct Service {
     /// Services it must come after.
     pub after: Vec<ServiceIx>,
     /// Validate codels, in order.
-    pub validates: Vec<usize>,
+    pub validates: Vec<CodelIx>,
     /// Simple codels in order (function), or state-machine codels (activity).
-    pub codels: Vec<usize>,
+    pub codels: Vec<CodelIx>,
     /// Exceptions it may throw: those of the component, of its task and its own (genom3.md 4.7).
     pub throws: Vec<TypeId>,
     /// Belongs to interface `genom`: the runtime implements it, not the library.

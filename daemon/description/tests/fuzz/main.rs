@@ -33,7 +33,13 @@ fn read_whatever(text: &str) {
         assert_eq!(c.exclusion.len(), c.codels.len() + c.services.len());
         for service in &c.services {
             assert!(service.task.is_none_or(|task| c.tasks.get(task).is_some()));
-            assert!(service.codels.iter().chain(&service.validates).all(|n| *n < c.codels.len()));
+            assert!(
+                service
+                    .codels
+                    .iter()
+                    .chain(&service.validates)
+                    .all(|ix| c.codels.get(*ix).is_some())
+            );
             assert!(service.interrupts.iter().all(|ix| c.services.get(*ix).is_some()));
         }
     }

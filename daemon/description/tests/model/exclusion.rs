@@ -1,14 +1,14 @@
 //! Which codels exclude each other (genom3.md 4.5).
 
-use genom_description::model::Component;
+use genom_description::model::{Component, Node};
 
 use super::{component, plain};
 
 /// `name: those it excludes`, for codels and then attributes.
 fn table(c: &Component) -> Vec<String> {
-    let name = |node: usize| match c.codels.get(node) {
-        Some(codel) => codel.name.as_str(),
-        None => c.services[c.transferred_by(node).unwrap()].name.as_str(),
+    let name = |node: usize| match c.node(node) {
+        Node::Codel(codel) => c.codels[codel].name.as_str(),
+        Node::Transfer(service) => c.services[service].name.as_str(),
     };
     let mut rows = Vec::new();
     for node in 0..c.codels.len() + c.services.len() {

@@ -1,7 +1,7 @@
 //! `provides`, `uses`, `extends` and reopening (genom3.md 4.6).
 
 use genom_description::model::{
-    Ix as _, PathStep, PortDirection, RemoteIx, ServiceIx, Source, TaskIx,
+    CodelIx, Ix as _, PathStep, PortDirection, RemoteIx, ServiceIx, Source, TaskIx,
 };
 
 use super::{component, plain};
@@ -35,7 +35,7 @@ fn what_is_provided_finds_the_ids_of_the_component() {
     let c = component(&specification, "c");
     let y = vec![PathStep::Member(2)];
     assert_eq!(c.services[ServiceIx::new(0)].parameters[0].target.as_ref().unwrap().path, y);
-    assert_eq!(c.codels[0].parameters[0].source, Source::Ids { path: y.clone() });
+    assert_eq!(c.codels[CodelIx::new(0)].parameters[0].source, Source::Ids { path: y.clone() });
     let run = c.codels.iter().find(|codel| codel.name == "r").unwrap();
     assert_eq!(run.parameters[0].source, Source::Parameter { index: 0, path: vec![] });
     assert_eq!(run.parameters[1].source, Source::Ids { path: y });
@@ -70,5 +70,8 @@ fn bodies_services_tasks_ids_and_modules_are_reopened() {
     let c = component(&specification, "c");
     assert_eq!(specification.types.members(c.ids.unwrap()).len(), 2);
     assert!(c.tasks[TaskIx::new(0)].period.is_some());
-    assert_eq!(c.codels[0].parameters[1].source, Source::Local { index: 0, path: vec![] });
+    assert_eq!(
+        c.codels[CodelIx::new(0)].parameters[1].source,
+        Source::Local { index: 0, path: vec![] }
+    );
 }

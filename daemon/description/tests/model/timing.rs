@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use genom_description::model::{Ix as _, TaskIx};
+use genom_description::model::{CodelIx, Ix as _, TaskIx};
 
 use super::{component, plain};
 
@@ -62,6 +62,6 @@ fn codels_may_state_their_worst_time() {
            function f() { codel y() wcet 10 us; }; };",
     );
     let c = component(&specification, "c");
-    assert_eq!(c.codels[0].wcet, Some(Duration::from_millis(2)));
-    assert_eq!(c.codels[1].wcet, Some(Duration::from_micros(10)));
+    assert_eq!(c.codels[CodelIx::new(0)].wcet, Some(Duration::from_millis(2)));
+    assert_eq!(c.codels[CodelIx::new(1)].wcet, Some(Duration::from_micros(10)));
 }

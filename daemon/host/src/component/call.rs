@@ -2,6 +2,8 @@
 
 use std::ffi::c_void;
 
+use genom_description::model::CodelIx;
+
 use super::codel::{From, Prepared};
 use super::inner::Inner;
 use super::way::Way;
@@ -9,7 +11,7 @@ use crate::ffi::Class;
 
 /// A codel with its arguments.
 pub(super) struct Call {
-    pub(super) codel: usize,
+    pub(super) codel: CodelIx,
     /// For libffi: the address of the value of each argument, and of the context.
     pub(super) arguments: Box<[*mut c_void]>,
     /// Values of arguments that are pointers; `arguments` points here.
@@ -40,7 +42,7 @@ impl Roots {
 }
 
 impl Call {
-    pub(super) fn new(inner: &Inner, codel: usize, prepared: &Prepared, roots: &Roots) -> Self {
+    pub(super) fn new(inner: &Inner, codel: CodelIx, prepared: &Prepared, roots: &Roots) -> Self {
         let count = prepared.arguments.len();
         let all = count + usize::from(prepared.context);
         let mut call = Self {

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use genom_description::model::{Owner, ServiceIx};
+use genom_description::model::{CodelIx, Indexed, Owner, ServiceIx};
 use genom_runtime::body::{Frame, Returned};
 use genom_types::{Record, foreign};
 use serde_json::{Value, json};
@@ -37,7 +37,7 @@ pub(super) struct BoundFrame {
     pub(super) objects: Option<Objects>,
     pub(super) calls: Box<[Call]>,
     /// For each codel of the component, its index in `calls`.
-    pub(super) ranks: Box<[u16]>,
+    pub(super) ranks: Indexed<CodelIx, u16>,
     pub(super) cache: EventCache,
     /// Guard zones of the memory that its codels may write to, and when to check them.
     pub(super) watched: Watched,
@@ -96,7 +96,7 @@ impl BoundFrame {
         }
         inner.watch(codels.map_or(&[], Vec::as_slice), &mut watched);
         let mut calls = Vec::new();
-        let mut ranks = vec![ABSENT; inner.codels.len()];
+        let mut ranks = inner.codels.map(|_, _| ABSENT);
         for &codel in codels.into_iter().flatten() {
             let Some(Some(prepared)) = inner.codels.get(codel) else { continue };
             ranks[codel] = u16::try_from(calls.len()).unwrap_or(ABSENT);
@@ -109,7 +109,7 @@ impl BoundFrame {
             local,
             objects,
             calls: calls.into(),
-            ranks: ranks.into(),
+            ranks,
             cache: EventCache::new(),
             watched,
             check: zones::mode(),
@@ -207,7 +207,7 @@ impl Frame for BoundFrame {
         }
     }
 
-    fn call(&mut self, codel: usize, context: usize) -> Returned {
+    fn call(&mut self, codel: CodelIx, context: usize) -> Returned {
         let rank = self.ranks.get(codel).copied().unwrap_or(ABSENT);
         let inner = Arc::as_ptr(&self.inner);
         // SAFETY: the frame holds the component, and nothing drops it during this call.

@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
 
-use genom_description::model::{Indexed, Port, PortIx, Service, ServiceIx, TaskIx};
+use genom_description::model::{CodelIx, Indexed, Port, PortIx, Service, ServiceIx, TaskIx};
 use genom_runtime::plan::Plan;
 use genom_types::{DataType, Record, Zones};
 
@@ -26,7 +26,7 @@ pub(super) struct Inner {
     pub(super) ports: Ports,
     pub(super) remotes: Remotes,
     /// Codels of the model; `None` for those that the runtime supplies.
-    pub(super) codels: Vec<Option<Prepared>>,
+    pub(super) codels: Indexed<CodelIx, Option<Prepared>>,
     pub(super) services: Indexed<ServiceIx, ServiceTypes>,
     /// Indices of the codels of each service and of each task.
     pub(super) owned: Owned,
@@ -68,7 +68,7 @@ impl Drop for Inner {
 
 impl Inner {
     /// Adds the guard zones of what these codels may write to besides the memory of their own run.
-    pub(super) fn watch(&self, codels: &[usize], watched: &mut Watched) {
+    pub(super) fn watch(&self, codels: &[CodelIx], watched: &mut Watched) {
         let prepared = codels.iter().filter_map(|codel| self.codels.get(*codel)?.as_ref());
         let arguments = prepared.flat_map(|codel| &codel.arguments);
         let (mut ids, mut ports) = (false, Vec::new());
@@ -177,6 +177,6 @@ pub(super) struct InCpp {
 
 /// Indices of codels by owner.
 pub(super) struct Owned {
-    pub(super) services: Indexed<ServiceIx, Vec<usize>>,
-    pub(super) tasks: Indexed<TaskIx, Vec<usize>>,
+    pub(super) services: Indexed<ServiceIx, Vec<CodelIx>>,
+    pub(super) tasks: Indexed<TaskIx, Vec<CodelIx>>,
 }

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use genom_description::model::{Indexed, Port, PortIx, RemoteIx, Service, ServiceIx};
+use genom_description::model::{CodelIx, Indexed, Port, PortIx, RemoteIx, Service, ServiceIx};
 use genom_runtime::plan::{Event, Meaning, Plan};
 use genom_types::{DataType, Kind, Record, ScopedName, TypeTable};
 
@@ -38,7 +38,7 @@ const GIVEN: &[&str] = &[
 pub(super) struct Parts {
     pub(super) ids: Option<DataType>,
     pub(super) services: Indexed<ServiceIx, Option<ServiceTypes>>,
-    pub(super) codels: Vec<Option<Prepared>>,
+    pub(super) codels: Indexed<CodelIx, Option<Prepared>>,
     pub(super) ports: Indexed<PortIx, Option<DataType>>,
     pub(super) remotes: Indexed<RemoteIx, Option<Signature>>,
     pub(super) details: Details,

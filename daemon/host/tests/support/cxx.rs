@@ -95,12 +95,12 @@ impl Loaded {
     /// Calls a codel by name; returns the event's name, "" for ok.
     pub(crate) fn call(&self, frame: &mut dyn Frame, codel: &str) -> String {
         let model = self.plan.component();
-        let rank = model.codels.iter().position(|one| one.name == codel).expect("a codel");
-        let context = match model.codels[rank].kind {
+        let ix = model.codels.find(|one| one.name == codel).expect("a codel");
+        let context = match model.codels[ix].kind {
             CodelKind::Fsm { .. } => 0,
             _ => model.tasks.len(),
         };
-        match frame.call(rank, context) {
+        match frame.call(ix, context) {
             Returned::Ok => String::new(),
             Returned::Event(id) => self.plan.event_name(id).to_owned(),
             Returned::Unknown | Returned::Failed => frame.returned(),

@@ -46,7 +46,7 @@ impl Gen {
             ports: Indexed::default(),
             remotes: Indexed::default(),
             services: Indexed::default(),
-            codels: vec![],
+            codels: Indexed::default(),
             states: ["ether", "start", "stop"].map(String::from).into(),
             sinks: vec![],
             throws: vec![],
@@ -211,20 +211,25 @@ impl Gen {
     }
 
     /// Adds a codel of a service or task, of the kind that its owner runs.
-    pub(crate) fn codel(&mut self, owner: Owner, name: &str, arguments: &[Argument<'_>]) -> usize {
-        let rank = self.component.codels.len();
+    pub(crate) fn codel(
+        &mut self,
+        owner: Owner,
+        name: &str,
+        arguments: &[Argument<'_>],
+    ) -> CodelIx {
+        let ix = CodelIx::new(self.component.codels.len());
         let fsm =
             CodelKind::Fsm { triggers: vec![1], yields: vec![Yield { state: 0, pause: false }] };
         let kind = match owner {
             Owner::Task(task) => {
-                self.component.tasks[task].codels.push(rank);
+                self.component.tasks[task].codels.push(ix);
                 fsm
             }
             Owner::Service(service) => {
                 let service = &mut self.component.services[service];
                 match service.kind {
-                    ServiceKind::Attribute => service.validates.push(rank),
-                    _ => service.codels.push(rank),
+                    ServiceKind::Attribute => service.validates.push(ix),
+                    _ => service.codels.push(ix),
                 }
                 match service.kind {
                     ServiceKind::Attribute => CodelKind::Validate,
@@ -247,9 +252,8 @@ impl Gen {
             asynchronous: false,
             parameters: arguments.iter().map(parameter).collect(),
             wcet: None,
-            span: Span { file: 0, start: u32::try_from(rank).unwrap(), end: 0 },
-        });
-        rank
+            span: Span { file: 0, start: u32::try_from(ix.index()).unwrap(), end: 0 },
+        })
     }
 
     /// Adds a function with these parameters and one codel that takes all of them, in order.
@@ -257,7 +261,7 @@ impl Gen {
         &mut self,
         name: &str,
         parameters: &[(Direction, &str, TypeId)],
-    ) -> (ServiceIx, usize) {
+    ) -> (ServiceIx, CodelIx) {
         let service = self.service(ServiceKind::Function, &format!("s_{name}"), parameters, &[]);
         let arguments: Vec<_> = parameters
             .iter()

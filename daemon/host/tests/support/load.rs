@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use genom_description::model::{CodelKind, Owner, ServiceIx, Specification};
+use genom_description::model::{CodelIx, CodelKind, Owner, ServiceIx, Specification};
 use genom_host::{Component, Library, LoadErrors};
 use genom_runtime::body::{Body, Frame, Returned};
 use genom_runtime::plan::Plan;
@@ -56,14 +56,14 @@ impl Loaded {
     }
 
     /// Runs one codel of a service; returns the event's name ("" for ok) and the outputs.
-    pub(crate) fn run(&self, service: ServiceIx, codel: usize, input: Value) -> (String, Value) {
+    pub(crate) fn run(&self, service: ServiceIx, codel: CodelIx, input: Value) -> (String, Value) {
         let mut frame = self.begin(service, input);
         let event = self.call(&mut *frame, codel);
         (event, frame.output().to_json())
     }
 
     /// Calls a codel; returns the event's name, "" for ok.
-    pub(crate) fn call(&self, frame: &mut dyn Frame, codel: usize) -> String {
+    pub(crate) fn call(&self, frame: &mut dyn Frame, codel: CodelIx) -> String {
         let model = self.plan.component();
         let context = match model.codels[codel].kind {
             CodelKind::Fsm { .. } => 0,

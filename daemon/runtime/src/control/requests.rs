@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use genom_description::model::{ServiceIx, ServiceKind};
+use genom_description::model::{CodelIx, ServiceIx, ServiceKind};
 use genom_types::Record;
 use serde_json::{Value, json};
 
@@ -344,7 +344,7 @@ impl Engine {
     fn call(
         &self,
         frame: &mut dyn Frame,
-        codel: usize,
+        codel: CodelIx,
         context: usize,
         ticket: &Ticket,
     ) -> Result<Returned, Exception> {

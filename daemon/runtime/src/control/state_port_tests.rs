@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use genom_description::model::{Ix as _, Owner, PortIx, RemoteIx, ServiceIx, TaskIx};
+use genom_description::model::{CodelIx, Ix as _, Owner, PortIx, RemoteIx, ServiceIx, TaskIx};
 use genom_description::{Options, read_text};
 use genom_middleware::{Publisher, Subscription};
 use genom_types::Record;
@@ -42,7 +42,7 @@ impl Frame for Empty {
     fn begin(&mut self, _: &Record) {}
     fn store(&mut self) {}
     fn fetch(&mut self) {}
-    fn call(&mut self, _: usize, _: usize) -> Returned {
+    fn call(&mut self, _: CodelIx, _: usize) -> Returned {
         Returned::Ok
     }
     fn returned(&self) -> String {

@@ -33,6 +33,14 @@ pub enum PlanError {
         /// What does not exist.
         what: String,
     },
+    /// More codels than a [`Machine`](super::Machine) can refer to.
+    #[error("component {component} has {count} codels, more than 65536: split it")]
+    TooManyCodels {
+        /// The component.
+        component: String,
+        /// Number of its codels.
+        count: usize,
+    },
     /// More events than an [`EventId`](crate::body::EventId) counts.
     #[error("component {component} has {count} states and exceptions, more than 65535: split it")]
     TooManyEvents {

@@ -1,8 +1,9 @@
 //! State machines: the codel of each state, and the effect of each returned event.
 
-use genom_description::model::{CodelKind, Component, Owner, TaskIx};
+use genom_description::model::{Codel, CodelIx, CodelKind, Component, Indexed, Owner, TaskIx};
 
 use super::event::{Event, Meaning};
+use super::ix16::Ix16;
 
 /// The state machine of a task's permanent activity or of a service.
 #[derive(Debug)]
@@ -12,7 +13,7 @@ pub struct Machine {
     /// The task that runs it.
     pub task: TaskIx,
     /// The codel of each state, if it has one.
-    pub codels: Box<[Option<u16>]>,
+    pub codels: Box<[Option<Ix16<CodelIx>>]>,
     /// State `start`.
     pub start: u16,
     /// State `stop`.
@@ -39,8 +40,8 @@ pub enum Transition {
 impl Machine {
     /// The codel of a state.
     #[must_use]
-    pub fn codel(&self, state: u16) -> Option<usize> {
-        self.codels.get(usize::from(state)).copied().flatten().map(usize::from)
+    pub fn codel(&self, state: u16) -> Option<CodelIx> {
+        self.codels.get(usize::from(state)).copied().flatten().map(Ix16::ix)
     }
 }
 
@@ -50,13 +51,14 @@ pub(super) fn machines(model: &Component) -> Vec<Machine> {
         let found = model.states.iter().position(|state| state == name);
         found.and_then(|state| u16::try_from(state).ok()).unwrap_or(u16::MAX)
     };
-    let machine = |owner, task, codels: &[usize]| {
+    let machine = |owner, task, codels: &[CodelIx]| {
         let mut table = vec![None; model.states.len()];
         for &codel in codels {
             let CodelKind::Fsm { triggers, .. } = &model.codels[codel].kind else { continue };
             for &trigger in triggers {
                 if let Some(slot) = table.get_mut(trigger) {
-                    *slot = u16::try_from(codel).ok();
+                    // All codels have one: their number was checked.
+                    *slot = Ix16::new(codel);
                 }
             }
         }
@@ -75,9 +77,8 @@ pub(super) fn transitions(
     model: &Component,
     events: &[Event],
     machines: &[Machine],
-) -> Vec<Box<[Transition]>> {
-    let of_codel = |rank: usize| -> Box<[Transition]> {
-        let codel = &model.codels[rank];
+) -> Indexed<CodelIx, Box<[Transition]>> {
+    let of_codel = |codel: &Codel| -> Box<[Transition]> {
         let CodelKind::Fsm { yields, .. } = &codel.kind else { return Box::default() };
         let throws = match codel.owner {
             Owner::Task(task) => model.tasks.get(task).map(|task| &task.throws),
@@ -107,5 +108,33 @@ pub(super) fn transitions(
         };
         events.iter().map(transition).collect()
     };
-    (0..model.codels.len()).map(of_codel).collect()
+    model.codels.iter().map(of_codel).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use genom_description::model::{CodelIx, Ix as _};
+    use genom_description::{Options, read_text};
+
+    use super::super::{Plan, PlanError};
+
+    #[test]
+    fn a_component_with_more_codels_than_a_machine_can_refer_to_is_refused() {
+        let text = "component c {
+            task t { period 5 ms; };
+            activity a() { task t; codel<start> s() yield ether; };
+        };";
+        let analysis = read_text("c.gen", text, &Options::default());
+        assert!(!analysis.has_errors(), "{:?}", analysis.diagnostics);
+        let mut specification = analysis.specification;
+        let codels = &mut specification.components[0].codels;
+        let one = codels[CodelIx::new(0)].clone();
+        while codels.len() <= 1 << 16 {
+            codels.push(one.clone());
+        }
+        let refused = Plan::new(&Arc::new(specification), 0).unwrap_err();
+        assert!(matches!(refused, PlanError::TooManyCodels { count: 65_537, .. }), "{refused}");
+    }
 }

@@ -5,6 +5,7 @@
 mod conflict;
 mod error;
 mod event;
+mod ix16;
 mod machine;
 mod node;
 mod owner;
@@ -14,7 +15,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use genom_description::model::{
-    Component, Dialect, Indexed, PortDirection, PortIx, ServiceIx, Specification,
+    CodelIx, Component, Dialect, Indexed, PortDirection, PortIx, ServiceIx, Specification,
 };
 use genom_types::DataType;
 
@@ -22,11 +23,14 @@ use crate::body::EventId;
 
 pub use error::PlanError;
 pub use event::{Event, EventSet, Meaning};
+pub use ix16::Ix16;
 pub use machine::{Machine, Transition};
 pub use node::Nodes;
 pub(crate) use owner::owner_name;
 pub use service::{Builtin, ServicePlan};
 
+/// Limit on the codels of a component: machines hold their indices in 16 bits, see [`Ix16`].
+const MOST_CODELS: usize = 1 << 16;
 /// Limit on requests served in parallel, however many services there are: each needs a thread and a
 /// `genom_context`. Further requests wait for a free one.
 pub const MOST_CONTROL_WORKERS: usize = 64;
@@ -39,7 +43,7 @@ pub struct Plan {
     events: Vec<Event>,
     by_name: HashMap<String, EventId>,
     /// For each codel, the transition of each event; empty for codels outside state machines.
-    transitions: Vec<Box<[Transition]>>,
+    transitions: Indexed<CodelIx, Box<[Transition]>>,
     /// Machines of permanent activities by task, then of services, see [`ServicePlan::machine`].
     machines: Vec<Machine>,
     services: Indexed<ServiceIx, ServicePlan>,
@@ -154,7 +158,7 @@ impl Plan {
 
     /// Transition of each event when this codel returns it.
     #[must_use]
-    pub fn transitions(&self, codel: usize) -> &[Transition] {
+    pub fn transitions(&self, codel: CodelIx) -> &[Transition] {
         self.transitions.get(codel).map_or(&[], |table| table)
     }
 
@@ -213,9 +217,12 @@ fn layout(
 
 /// Checks all indices of the model once, so that the engine does not have to at run time.
 fn check_indices(model: &Component) -> Result<(), PlanError> {
-    let codels = model.codels.len();
+    if model.codels.len() > MOST_CODELS {
+        let (component, count) = (model.name.clone(), model.codels.len());
+        return Err(PlanError::TooManyCodels { component, count });
+    }
     let services = &model.services;
-    let ok_codels = |list: &[usize]| list.iter().all(|codel| *codel < codels);
+    let ok_codels = |list: &[CodelIx]| list.iter().all(|ix| model.codels.get(*ix).is_some());
     let ok_services = |list: &[ServiceIx]| list.iter().all(|ix| services.get(*ix).is_some());
     let inconsistent =
         |what: String| Err(PlanError::Inconsistent { component: model.name.clone(), what });

@@ -1,7 +1,7 @@
 //! Exclusion nodes and their conflicts: the static part of genom3.md 4.5 and 7.10.
 
 use genom_description::model::{
-    CodelKind, Component, Ix as _, Owner, ServiceIx, ServiceKind, Source,
+    CodelIx, CodelKind, Component, Ix as _, Node, Owner, ServiceIx, ServiceKind, Source,
 };
 
 use super::conflict::Touching;
@@ -34,22 +34,23 @@ impl Nodes {
                 }
             }
         }
-        let touching = |node: usize| match model.transferred_by(node) {
-            None => Touching::Codel(&model.codels[node]),
-            Some(service) => Touching::Transfer(&model.services[service]),
+        let touching = |node: usize| match model.node(node) {
+            Node::Codel(codel) => Touching::Codel(&model.codels[codel]),
+            Node::Transfer(service) => Touching::Transfer(&model.services[service]),
         };
         // Nodes of control run in parallel here, so they can conflict with each other as well.
-        let beside = |node: usize| match model.transferred_by(node) {
-            None => !matches!(model.codels[node].kind, CodelKind::Fsm { .. }),
-            Some(_) => true,
+        let beside = |node: usize| match model.node(node) {
+            Node::Codel(codel) => !matches!(model.codels[codel].kind, CodelKind::Fsm { .. }),
+            Node::Transfer(_) => true,
         };
         // The exclusion of the model does not cover transfers of activities in the papers'
         // dialects.
-        let of_papers = |node: usize| {
-            model.transferred_by(node).is_some_and(|service| {
+        let of_papers = |node: usize| match model.node(node) {
+            Node::Codel(_) => false,
+            Node::Transfer(service) => {
                 let service = &model.services[service];
                 service.through_ids && service.kind != ServiceKind::Attribute
-            })
+            }
         };
         let excluded = |a: usize, b: usize| {
             let ours = (beside(a) && beside(b)) || of_papers(a) || of_papers(b);
@@ -59,7 +60,7 @@ impl Nodes {
         let conflicts: Vec<Box<[usize]>> =
             (0..count).map(|a| (0..count).filter(|b| excluded(a, *b)).collect()).collect();
         let global = |node: usize| {
-            model.codels.get(node).is_none_or(|codel| {
+            model.codel_of_node(node).is_none_or(|codel| {
                 !codel.asynchronous
                     || codel
                         .parameters
@@ -67,9 +68,9 @@ impl Nodes {
                         .any(|p| matches!(p.source, Source::Port(_) | Source::Remote(_)))
             })
         };
-        let twins = twins(&conflicts, |node| match model.transferred_by(node) {
-            Some(service) => Some(Owner::Service(service)),
-            None => match (&model.codels[node].kind, model.codels[node].owner) {
+        let twins = twins(&conflicts, |node| match model.node(node) {
+            Node::Transfer(service) => Some(Owner::Service(service)),
+            Node::Codel(codel) => match (&model.codels[codel].kind, model.codels[codel].owner) {
                 (CodelKind::Fsm { .. }, Owner::Task(task)) => Some(Owner::Task(task)),
                 (CodelKind::Fsm { .. }, Owner::Service(ix)) => {
                     model.services[ix].task.map(Owner::Task)
@@ -99,8 +100,9 @@ impl Nodes {
 
     /// Index of the node of a codel.
     #[must_use]
-    pub fn codel(&self, codel: usize) -> usize {
-        codel
+    #[inline]
+    pub fn codel(&self, codel: CodelIx) -> usize {
+        codel.index()
     }
 
     /// Index of the node of a service's data transfer.

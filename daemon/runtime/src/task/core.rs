@@ -3,6 +3,8 @@
 //! It handles states, codels, stop requests and external events, but no threads, clocks or
 //! exclusion: the caller says when a pass is due, and calls the codels.
 
+use genom_description::model::{CodelIx, Owner};
+
 use super::run::{Bad, Mode, Run, RunOutcome, Status, Token};
 use crate::body::Returned;
 use crate::plan::{Plan, Transition};
@@ -10,11 +12,11 @@ use crate::plan::{Plan, Transition};
 /// Callbacks of the rules.
 pub(crate) trait Calls {
     /// Runs a codel of this run.
-    fn call(&mut self, run: &mut Run, codel: usize) -> Returned;
+    fn call(&mut self, run: &mut Run, codel: CodelIx) -> Returned;
     /// A token of this run moved, or paused in the state where it was.
     fn moved(&mut self, run: &Run, token: Token);
     /// A codel yielded a state without pause.
-    fn goes_on(&mut self, _codel: usize) {}
+    fn goes_on(&mut self, _codel: CodelIx) {}
 }
 
 /// Result of a pass.
@@ -92,7 +94,7 @@ impl Core {
 /// Starts, stops or resumes an activity before codels run (genom3.md 7.4, step 2).
 fn prepare(run: &mut Run, plan: &Plan, runnable: bool, calls: &mut impl Calls) {
     let machine = &plan.machines()[run.machine];
-    let permanent = matches!(machine.owner, genom_description::model::Owner::Task(_));
+    let permanent = matches!(machine.owner, Owner::Task(_));
     let ready = |state| Token { state, mode: Mode::Ready };
     match run.marker.status() {
         Status::Cancelled => run.outcome = Some(RunOutcome::Cancelled),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use genom_description::model::{Ix as _, Owner, ServiceIx};
+use genom_description::model::{CodelIx, Ix as _, Owner, ServiceIx};
 use genom_description::{Options, read_text};
 use genom_types::Record;
 use serde_json::Value;
@@ -18,7 +18,7 @@ impl Frame for NoFrame {
     fn begin(&mut self, _: &Record) {}
     fn store(&mut self) {}
     fn fetch(&mut self) {}
-    fn call(&mut self, _: usize, _: usize) -> Returned {
+    fn call(&mut self, _: CodelIx, _: usize) -> Returned {
         Returned::Ok
     }
     fn returned(&self) -> String {
@@ -40,7 +40,7 @@ struct Names<'a> {
 }
 
 impl Calls for Names<'_> {
-    fn call(&mut self, _: &mut Run, codel: usize) -> Returned {
+    fn call(&mut self, _: &mut Run, codel: CodelIx) -> Returned {
         let name = self.plan.component().codels[codel].name.as_str();
         let (codel, event) = self.returns.iter().find(|(codel, _)| *codel == name).unwrap();
         self.called.push(codel);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use genom_description::model::{Ix as _, TaskIx};
+use genom_description::model::{CodelIx, Ix as _, TaskIx};
 use rtrb::{Consumer, Producer};
 
 use super::core::{Calls, Core, Passed};
@@ -124,7 +124,7 @@ struct Caller<'a> {
 
 impl Calls for Caller<'_> {
     #[inline]
-    fn call(&mut self, run: &mut Run, codel: usize) -> Returned {
+    fn call(&mut self, run: &mut Run, codel: CodelIx) -> Returned {
         let shared = self.shared;
         let permit = shared.exclusion.enter(self.task.index(), shared.plan.nodes().codel(codel));
         if permit.waited() {
@@ -141,7 +141,7 @@ impl Calls for Caller<'_> {
         returned
     }
 
-    fn goes_on(&mut self, codel: usize) {
+    fn goes_on(&mut self, codel: CodelIx) {
         self.shared.tasks[self.task].figures.cycles.goes_on(codel);
     }
 

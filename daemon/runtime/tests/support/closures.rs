@@ -5,7 +5,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use genom_description::model::{Ix as _, Owner, PortIx, RemoteIx, ServiceIx};
+use genom_description::model::{CodelIx, Indexed, Ix as _, Owner, PortIx, RemoteIx, ServiceIx};
 use genom_middleware::{Publisher, Subscription};
 use genom_runtime::body::{Body, EventId, Frame, Opener, RemoteCall, Returned};
 use genom_runtime::{
@@ -30,7 +30,7 @@ pub(crate) fn codel(work: impl Fn() -> &'static str + Send + Sync + 'static) -> 
 pub(crate) struct Closures {
     pub(crate) plan: Arc<Plan>,
     /// The closure of each codel of the model.
-    codels: Vec<Option<Codel>>,
+    codels: Indexed<CodelIx, Option<Codel>>,
     events: Vec<(&'static str, EventId)>,
     /// Number of writes to the state port.
     pub(crate) states: AtomicU64,
@@ -135,7 +135,7 @@ impl Body for Closures {
 }
 
 struct ClosureFrame {
-    codels: Vec<Option<Codel>>,
+    codels: Indexed<CodelIx, Option<Codel>>,
     events: Vec<(&'static str, EventId)>,
     output: Record,
 }
@@ -145,7 +145,7 @@ impl Frame for ClosureFrame {
     fn store(&mut self) {}
     fn fetch(&mut self) {}
 
-    fn call(&mut self, codel: usize, _: usize) -> Returned {
+    fn call(&mut self, codel: CodelIx, _: usize) -> Returned {
         let event = self.codels[codel].as_ref().map_or("ok", |codel| codel());
         if event == "ok" {
             return Returned::Ok;

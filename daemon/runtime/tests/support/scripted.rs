@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-use genom_description::model::{CodelKind, Ix as _, Owner, PortIx, RemoteIx, ServiceIx};
+use genom_description::model::{CodelIx, CodelKind, Ix as _, Owner, PortIx, RemoteIx, ServiceIx};
 use genom_middleware::{Publisher, Subscription};
 use genom_runtime::body::{Body, Frame, Opener, RemoteCall, Returned};
 use genom_runtime::{Plan, VirtualClock};
@@ -116,7 +116,7 @@ impl ScriptedFrame {
     }
 
     /// The next result of a codel; without script, success or the first state that it may yield.
-    fn answer(&self, codel: usize) -> Answer {
+    fn answer(&self, codel: CodelIx) -> Answer {
         let model = &self.plan.component().codels[codel];
         let mut script = self.script.lock().unwrap();
         if let Some(answers) = script.answers.get_mut(&model.name) {
@@ -153,7 +153,7 @@ impl Frame for ScriptedFrame {
         self.trace("outputs <- ids");
     }
 
-    fn call(&mut self, codel: usize, context: usize) -> Returned {
+    fn call(&mut self, codel: CodelIx, context: usize) -> Returned {
         assert!(context < self.plan.contexts());
         self.last = self.answer(codel);
         let name = &self.plan.component().codels[codel].name;
