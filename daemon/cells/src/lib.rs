@@ -25,6 +25,7 @@ pub mod place;
 pub mod policy;
 mod process;
 pub mod record;
+mod remains;
 mod setup;
 mod wire;
 
