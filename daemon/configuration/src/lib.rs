@@ -24,8 +24,8 @@ pub use error::{
 };
 pub use file::{Config, MemoryCheck, Telemetry};
 pub use genom_protocol::{
-    BackendNames, CallEntry, ClockKind, ConnectionEntry, Deployment, LoadRequest, PortQos,
-    QosEntry, Right, TaskEntry,
+    Act, BackendNames, CallEntry, ClockKind, ConnectionEntry, Deed, Deployment, LoadRequest,
+    PortQos, QosEntry, Reaction, Right, TaskEntry,
 };
 pub use limits::CellLimits;
 pub use offers::Offers;

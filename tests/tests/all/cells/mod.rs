@@ -7,6 +7,7 @@ mod joined;
 mod life;
 mod limits;
 mod refused;
+mod safe_state;
 
 use std::path::PathBuf;
 

@@ -122,7 +122,8 @@ const FLOORS: &[(&str, &str)] = &[
     ),
     (
         "cells",
-        "end policy place journal client follow remains process setup cell asking cells merge record wire \
+        "end policy place journal client follow remains process setup cell asking cells react merge \
+         record wire \
          own lib",
     ),
     (
