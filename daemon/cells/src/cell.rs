@@ -1,5 +1,7 @@
 //! One cell: its process, from start to end and to the next start.
 
+mod hearing;
+
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -10,12 +12,12 @@ use tokio::sync::watch;
 use tokio::time::{sleep, timeout};
 
 use crate::client::Client;
+use crate::crashes::{Known, learn};
 use crate::end::End;
-use crate::follow::Events;
 use crate::journal;
 use crate::place::Place;
 use crate::policy::Restarts;
-use crate::process::Process;
+use crate::process::{Process, kill};
 use crate::setup::{Setup, Told};
 
 /// How long a request waits for a cell whose process is starting.
@@ -34,6 +36,8 @@ pub struct Cell {
     client: Client,
     setup: Arc<Setup>,
     state: Mutex<State>,
+    /// For the report of its crash.
+    known: Mutex<Known>,
     phase: watch::Sender<CellState>,
     order: watch::Sender<Order>,
     /// Whether its life is over and its files are gone.
@@ -48,6 +52,8 @@ struct State {
     starts: u64,
     last_end: Option<String>,
     components: Vec<String>,
+    /// Whether somebody asked for the end of its process.
+    asked: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,6 +96,7 @@ impl Cell {
             place,
             setup: Arc::clone(setup),
             state: Mutex::default(),
+            known: Mutex::default(),
             phase: watch::Sender::new(CellState::Starting),
             order: watch::Sender::new(Order::Run),
             over: watch::Sender::new(false),
@@ -198,9 +205,10 @@ impl Cell {
     /// It does not start again.
     pub async fn restart(&self) -> Result<(), Down> {
         let pid = self.with(|state| state.pid);
-        if let Some(process) = pid.and_then(|pid| Process::found(pid, None).ok()) {
+        if let Some(pid) = pid {
             let mut phase = self.phase.subscribe();
-            process.signal(Signal::KILL);
+            self.with(|state| state.asked = true);
+            let _ = kill(pid);
             let _ = phase.wait_for(|phase| *phase != CellState::Running).await;
         }
         self.start_again();
@@ -244,11 +252,15 @@ impl Cell {
     async fn live(self: Arc<Self>, mut found: Option<Process>) {
         let mut restarts = Restarts::default();
         let mut order = self.order.subscribe();
+        if found.is_none() {
+            self.report_left();
+        }
         loop {
             let end = match found.take() {
                 Some(process) => self.run(&process, true).await,
                 None => self.start_and_run().await,
             };
+            self.report(&end);
             self.with(|state| {
                 state.pid = None;
                 state.last_end = Some(self.setup.explain(&self.name, &end));
@@ -356,9 +368,13 @@ impl Cell {
         tracing::info!("cell {cell} {}, process {pid}", if adopted { "found" } else { "runs" });
         self.setup.tell(Told::Cell(Change::CellRuns { cell, pid, adopted }));
         let after = if adopted { None } else { Some(0) };
+        let mut follow = std::pin::pin!(self.follow(after));
         tokio::select! {
-            end = process.ended() => end,
-            () = self.follow(after) => process.ended().await,
+            end = process.ended() => {
+                let _ = timeout(NOTICE, &mut follow).await;
+                end
+            },
+            () = &mut follow => process.ended().await,
             limit = self.silent() => self.kill_for(process, End::Silent(limit)).await,
             () = self.told_to_stop() => self.stop(process).await,
         }
@@ -371,32 +387,6 @@ impl Cell {
         while self.client.ask(&route).await.is_err() {
             sleep(LOOK_AGAIN).await;
         }
-    }
-
-    /// Tells on what it tells, until its streams are over.
-    async fn follow(&self, after: Option<u64>) {
-        let changes = async {
-            let Ok(mut events) = Events::open(&self.client, "/events", after).await else { return };
-            while let Some((_, change)) = events.next().await {
-                self.heard(&change);
-                // Its last component went by itself (service `kill`), and none is being loaded.
-                if self.is_empty() && change["event"] == "component_unloaded" {
-                    let turn = self.changing.try_lock();
-                    if turn.is_ok() {
-                        self.ask_to_stop();
-                    }
-                }
-                self.setup.tell(Told::Change(change));
-            }
-        };
-        let logs = async {
-            let path = "/logs/stream?last=1024";
-            let Ok(mut events) = Events::open(&self.client, path, None).await else { return };
-            while let Some((_, entry)) = events.next().await {
-                self.setup.tell(Told::Log(entry));
-            }
-        };
-        tokio::join!(changes, logs);
     }
 
     /// Keeps the list of its components.
@@ -430,6 +420,7 @@ impl Cell {
             if timeout(limit, self.client.ask(&routes::about())).await.is_err() {
                 return limit;
             }
+            let _ = timeout(limit / 4, learn(&self.client, &self.known)).await;
             sleep(limit / 4).await;
         }
     }

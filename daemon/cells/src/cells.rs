@@ -4,12 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use genom_protocol::{Component, LoadRequest, Unloaded, routes};
+use genom_protocol::{Component, CrashReport, Crashes, LoadRequest, Unloaded, routes};
 use rustix::process::Signal;
 use tokio::task::JoinSet;
 
 use crate::cell::{Cell, Down};
 use crate::client::{AskError, Client};
+use crate::crashes::StoreError;
 use crate::place::{self, Place, PlaceError};
 use crate::process::{Process, left};
 use crate::remains;
@@ -57,6 +58,30 @@ impl Cells {
     #[must_use]
     pub fn new(setup: Setup) -> Self {
         Self { setup: Arc::new(setup), all: Mutex::default() }
+    }
+
+    /// Reports of those that crashed.
+    pub async fn crashes(&self) -> Crashes {
+        let setup = Arc::clone(&self.setup);
+        // Files are read on a thread that may wait for them.
+        let list = tokio::task::spawn_blocking(move || setup.reports.list());
+        list.await.unwrap_or(Crashes { directory: None, crashes: Vec::new() })
+    }
+
+    /// One of these reports.
+    ///
+    /// # Errors
+    /// There is none of this name, with the names that there are; or it cannot be read.
+    pub async fn crash(&self, name: &str) -> Result<CrashReport, (StoreError, Vec<String>)> {
+        let (setup, wanted) = (Arc::clone(&self.setup), name.to_owned());
+        let read = tokio::task::spawn_blocking(move || setup.reports.read(&wanted)).await;
+        match read.unwrap_or_else(|_| Err(StoreError::Unknown(name.to_owned()))) {
+            Ok(report) => Ok(report),
+            Err(error) => {
+                let all = self.crashes().await.crashes;
+                Err((error, all.into_iter().map(|crash| crash.name).collect()))
+            }
+        }
     }
 
     fn with<T>(&self, work: impl FnOnce(&mut BTreeMap<String, Arc<Cell>>) -> T) -> T {

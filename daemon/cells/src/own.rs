@@ -1,9 +1,10 @@
 //! What makes this process a cell of another daemon: its journal, and what it does when that daemon
 //! ends.
 
-use std::fs::File;
+use std::fs::{File, OpenOptions};
 use std::io;
 use std::os::fd::OwnedFd;
+use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -18,6 +19,7 @@ use genom_limits::{Grants, LimitError};
 use genom_supervisor::Supervisor;
 use genom_supervisor::bus::Heard;
 use rustix::fs::StatVfsMountFlags;
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use tokio::io::AsyncReadExt as _;
 use tokio::net::unix::pipe;
 
@@ -43,6 +45,22 @@ impl OwnCell {
         let journal = config.with_file_name("journal.toml");
         let before = journal::read(&journal)?;
         Ok(Self { journal, before, writing: Mutex::default() })
+    }
+
+    /// Prepares for a crash: a note for the daemon, and a core dump only where it is asked for.
+    pub fn expect_crashes(&self, core: bool) {
+        let prepare = || {
+            let note = self.journal.with_file_name("note");
+            let mut options = OpenOptions::new();
+            options.write(true).create(true).truncate(true).mode(0o600);
+            genom_host::note_crashes_in(options.open(note)?);
+            let limit = getrlimit(Resource::Core);
+            let current = if core { limit.maximum } else { Some(0) };
+            Ok::<_, io::Error>(setrlimit(Resource::Core, Rlimit { current, ..limit })?)
+        };
+        if let Err(error) = prepare() {
+            tracing::warn!("a crash of this cell will not be told in full: {error}");
+        }
     }
 
     /// What it is to bring up.

@@ -1,7 +1,7 @@
 //! Where the cells of a daemon keep their files: a directory beside the daemon's socket.
 //!
 //! `SOCKET.cells/NAME/` holds `socket` (its control plane), `config.toml` (how it is to run),
-//! `journal.toml` (what it is to hold) and `pid`; of a cell in a sandbox, `tmp`, too, and
+//! `journal.toml` (what it is to hold), `note` (what it tells when it crashes) and `pid`; of a cell in a sandbox, `tmp`, too, and
 //! `NAME.libraries` stands beside it. Only the daemon's user can enter it.
 
 use std::ffi::OsStr;
@@ -126,6 +126,12 @@ impl Place {
     #[must_use]
     pub fn journal(&self) -> PathBuf {
         self.0.join("journal.toml")
+    }
+
+    /// What its process tells when it crashes.
+    #[must_use]
+    pub fn note(&self) -> PathBuf {
+        self.0.join("note")
     }
 
     /// Its directory.

@@ -104,6 +104,13 @@ impl Process {
     }
 }
 
+/// Kills a process; who waits for it, and nobody else, takes its status.
+pub(crate) fn kill(pid: u32) -> io::Result<()> {
+    let pid = i32::try_from(pid).ok().and_then(Pid::from_raw).ok_or(Errno::SRCH)?;
+    let handle = pidfd_open(pid, PidfdFlags::empty())?;
+    Ok(pidfd_send_signal(&handle, Signal::KILL)?)
+}
+
 /// Takes the status of a process that has ended.
 fn status(handle: &OwnedFd) -> End {
     let id = WaitId::PidFd(handle.as_fd());

@@ -11,6 +11,7 @@ use genom_protocol::Change;
 use rustix::process::Signal;
 use serde_json::Value;
 
+use crate::crashes::Reports;
 use crate::end::End;
 use crate::place::Place;
 
@@ -24,6 +25,8 @@ pub struct Setup {
     pub config: Config,
     /// When processes are restarted, and given up.
     pub settings: CellSettings,
+    /// Reports of those that crashed.
+    pub reports: Reports,
     /// How long a component may take to stop.
     pub stop_timeout: Duration,
     /// Hears what cells tell, and what becomes of them.
@@ -146,6 +149,10 @@ mod tests {
         let config = "[cell.arm]\nmemory = 64\nrttime = 20\n";
         let setup = Setup {
             program: PathBuf::new(),
+            reports: Reports::new(
+                &genom_configuration::CrashesSection::default(),
+                std::path::Path::new("/s"),
+            ),
             socket: PathBuf::new(),
             config: Config::parse(Path::new("robot.toml"), config).unwrap(),
             settings: CellSettings::default(),

@@ -12,6 +12,7 @@ use genom_runtime::{ACTIVITY_LIMIT, STUCK_AFTER};
 use serde::{Deserialize, Serialize};
 
 use crate::cells::CellsSection;
+use crate::crashes::CrashesSection;
 use crate::error::{ConfigError, UsageError, WhichDaemon};
 use crate::levels;
 use crate::limits::CellLimits;
@@ -50,6 +51,8 @@ pub struct Config {
     pub rpc: Rpc,
     /// Processes of their own for components.
     pub cells: CellsSection,
+    /// Reports of cells that crashed.
+    pub crashes: CrashesSection,
     /// What single cells may use, by their names.
     pub cell: BTreeMap<String, CellLimits>,
     /// Which services are offered on which middlewares.
@@ -106,6 +109,7 @@ impl Default for Config {
             max_activities: ACTIVITY_LIMIT,
             rpc: Rpc::default(),
             cells: CellsSection::default(),
+            crashes: CrashesSection::default(),
             cell: BTreeMap::new(),
             services: Offers::default(),
             telemetry: Telemetry::default(),
@@ -142,6 +146,7 @@ impl Config {
     pub fn anchor(&mut self, path: &Path) {
         let base = path.parent().unwrap_or(Path::new(""));
         self.path.iter_mut().chain(&mut self.include).for_each(|dir| anchor(base, dir));
+        self.crashes.directory.iter_mut().for_each(|directory| anchor(base, directory));
         self.rpc.token_file.iter_mut().for_each(|file| anchor(base, file));
         if let Some(tls) = &mut self.rpc.tls {
             let files = [&mut tls.cert, &mut tls.key].into_iter().chain(&mut tls.client_ca);

@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 mod cells;
+mod crashes;
 mod error;
 mod file;
 pub mod levels;
@@ -19,6 +20,7 @@ mod spot;
 pub mod terms;
 
 pub use cells::{CellSettings, CellsSection, WithoutDaemon};
+pub use crashes::CrashesSection;
 pub use error::{
     ConfigError, MOST_ACTIVITIES, NoCollector, NoLevel, NoPeriod, SetError, UsageError, WhichDaemon,
 };

@@ -70,6 +70,8 @@ pub(crate) enum Names {
     Backends,
     /// Cells.
     Cells,
+    /// Reports of crashes.
+    Crashes,
 }
 
 impl From<Names> for ArgValueCompleter {
@@ -214,6 +216,10 @@ impl Line {
             Names::Cells => {
                 let all = session.ask(routes::cells()).await.ok()?.content.cells;
                 all.into_iter().map(|one| (one.name, Some(one.components.join(", ")))).collect()
+            }
+            Names::Crashes => {
+                let all = session.ask(routes::crashes()).await.ok()?.content.crashes;
+                all.into_iter().map(|one| (one.name, Some(one.end))).collect()
             }
             Names::Policies | Names::Codes => Vec::new(),
             Names::Backends => {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use genom_cells::{Cells, Failure, Setup, Told, react};
+use genom_cells::{Cells, Failure, Reports, Setup, Told, react};
 use genom_configuration::RpcSettings;
 use genom_doors::{Slots, Streams};
 use genom_supervisor::Supervisor;
@@ -86,6 +86,7 @@ fn cells(
         socket: settings.rpc.socket.clone(),
         config: settings.config.clone(),
         settings: settings.cells.clone(),
+        reports: Reports::new(&settings.config.crashes, &settings.rpc.socket),
         stop_timeout: settings.supervisor.stop_timeout,
         hears: Box::new(move |told| match told {
             Told::Change(change) => bus.tell_on(&change),

@@ -98,6 +98,7 @@ fn settings(cli: Cli, invitation: Invitation) -> Result<Settings, Refusal> {
     }
     logs::start(&settings.log, settings.collector.is_some()).map_err(Refusal::usage)?;
     missing.iter().flatten().for_each(|line| tracing::warn!("limits of this cell: {line}"));
+    settings.own_cell.iter().for_each(|own| own.expect_crashes(settings.config.crashes.core));
     genom_registry::check(&settings.supervisor.backend).map_err(Refusal::usage)?;
     genom_registry::check_options(&settings.supervisor.backends).map_err(Refusal::usage)?;
     Ok(settings)

@@ -10,6 +10,7 @@ use std::ptr;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::crash_note;
 use crate::process;
 use crate::running::{is_own_process, note_own_process, words};
 
@@ -55,10 +56,12 @@ fn handle(signal: c_int) -> Option<libc::sigaction> {
     done.then(|| unsafe { before.assume_init() })
 }
 
-extern "C" fn on_fault(signal: c_int, info: *mut libc::siginfo_t, _: *mut c_void) {
+extern "C" fn on_fault(signal: c_int, info: *mut libc::siginfo_t, context: *mut c_void) {
     let rank = FAULTS.iter().position(|(known, _)| *known == signal);
     let name = rank.and_then(|rank| FAULTS.get(rank)).map_or("a signal", |(_, name)| name);
     say(name, " in ");
+    // SAFETY: the arguments of this handler, which is installed with SA_SIGINFO.
+    unsafe { crash_note::of_signal(name, signal, info, context) };
     let before = BEFORE.get().zip(rank).and_then(|(all, rank)| all.get(rank)?.as_ref());
     // SAFETY: restores the action that the system returned; the fault then happens again.
     unsafe {
@@ -97,8 +100,9 @@ extern "C" fn genom_host_process_ends(how: *const c_char) -> bool {
     }
     if !SAID.swap(true, Ordering::AcqRel) {
         // SAFETY: the callers pass a C string.
-        let how = unsafe { CStr::from_ptr(how) };
-        say(how.to_str().unwrap_or_default(), " called by ");
+        let how = unsafe { CStr::from_ptr(how) }.to_str().unwrap_or_default();
+        say(how, " called by ");
+        crash_note::of_call(how);
     }
     true
 }
@@ -107,6 +111,7 @@ extern "C" fn genom_host_process_ends(how: *const c_char) -> bool {
 #[unsafe(no_mangle)]
 extern "C" fn genom_host_thread_ends() {
     say("pthread_cancel", " in ");
+    crash_note::of_call("pthread_cancel");
 }
 
 /// Ends a child that a codel forked and that returned from the codel: it must not continue as a

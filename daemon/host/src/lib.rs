@@ -9,6 +9,7 @@
 pub mod component;
 mod context;
 pub mod contract;
+mod crash_note;
 mod cxx;
 mod detail;
 mod events;
@@ -23,6 +24,7 @@ mod shared;
 mod what;
 
 pub use component::{Component, LoadError, LoadErrors, MemoryCheck, check_memory};
+pub use crash_note::note_crashes_in;
 pub use last_words::{end_is_ours, tell_last_words};
 pub use library::{Contents, Digest, EmbeddedDescription, Library, OpenError};
 pub use process::{

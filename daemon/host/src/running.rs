@@ -12,23 +12,55 @@ thread_local! {
     /// Description of the foreign code that this thread runs. Has no destructor, since signal
     /// handlers and exit handlers read it.
     static RUNNING: Cell<*const str> = const { Cell::new(ptr::from_ref("")) };
+    /// What it runs for; null if that is not known. As above.
+    static DOING: Cell<*const Doing> = const { Cell::new(ptr::null()) };
+}
+
+/// What a codel is called for, in words for the report of a crash.
+#[derive(Debug, Default)]
+pub(crate) struct Doing {
+    /// Instance name of its component.
+    pub(crate) component: String,
+    /// `service NAME` or `task NAME`.
+    pub(crate) owner: String,
+    /// Number of the activity; 0 for none.
+    pub(crate) activity: u32,
+    /// Inputs of the service as JSON; empty if they are not kept.
+    pub(crate) inputs: String,
 }
 
 /// Marks that foreign code runs on this thread, until dropped.
 pub(crate) struct Running<'a> {
     outer: *const str,
-    /// Makes the borrow outlive this value.
+    doing: *const Doing,
+    /// Makes the borrows outlive this value.
     _words: &'a str,
+    _doing: Option<&'a Doing>,
 }
 
 /// Marks that this thread runs what `words` describe, such as ``codel `servo` of demo.so``.
 pub(crate) fn running(words: &str) -> Running<'_> {
-    Running { outer: RUNNING.replace(ptr::from_ref(words)), _words: words }
+    begin(words, None)
+}
+
+/// The same of a codel that is called for this.
+pub(crate) fn serving<'a>(words: &'a str, doing: &'a Doing) -> Running<'a> {
+    begin(words, Some(doing))
+}
+
+fn begin<'a>(words: &'a str, doing: Option<&'a Doing>) -> Running<'a> {
+    Running {
+        outer: RUNNING.replace(ptr::from_ref(words)),
+        doing: DOING.replace(doing.map_or(ptr::null(), ptr::from_ref)),
+        _words: words,
+        _doing: doing,
+    }
 }
 
 impl Drop for Running<'_> {
     fn drop(&mut self) {
         RUNNING.set(self.outer);
+        DOING.set(self.doing);
     }
 }
 
@@ -55,6 +87,12 @@ pub(crate) fn in_codel() -> bool {
 pub(crate) fn words<'a>() -> &'a str {
     // SAFETY: the words outlive their `Running`, which removes them when it is dropped.
     unsafe { &*RUNNING.get() }
+}
+
+/// What the foreign code of this thread runs for, if that is known. Signal handlers may call it.
+pub(crate) fn doing<'a>() -> Option<&'a Doing> {
+    // SAFETY: as above, and this thread is the only one that changes it, between two calls.
+    unsafe { DOING.get().as_ref() }
 }
 
 #[cfg(test)]

@@ -56,6 +56,8 @@ pub enum Code {
     NoSuchCell,
     /// There is no component of that name.
     NoSuchComponent,
+    /// There is no report of a crash of that name.
+    NoSuchCrash,
     /// There is no daemon of that name.
     NoSuchDaemon,
     /// There is no event of that name.

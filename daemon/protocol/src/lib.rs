@@ -34,6 +34,7 @@ mod codels;
 mod components;
 mod connections;
 pub mod contexts;
+mod crashes;
 mod daemons;
 mod deployment;
 mod description;
@@ -74,6 +75,7 @@ pub use code::Code;
 pub use codels::{RunningCodel, Spin, Unpaused};
 pub use components::{Component, Components, LeftBehind, Unloaded};
 pub use connections::{Connection, ConnectionKind, ConnectionRequest, Connections, Disconnected};
+pub use crashes::{Crash, CrashFault, CrashFrame, CrashReport, CrashedComponent, Crashes};
 pub use daemons::{Answered, Answers, AskParameters, Daemons, VisibleDaemon};
 pub use deployment::{
     Applied, CallEntry, ConnectionEntry, Deployment, DeploymentRequest, Dumped, RunningDeployment,

@@ -74,3 +74,15 @@ pub struct LogEntry {
     /// The message.
     pub message: String,
 }
+
+impl LogEntry {
+    /// When it was logged, as `12:34:56.789` in UTC.
+    #[must_use]
+    pub fn time_of_day(&self) -> String {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a date")]
+        let milliseconds = (self.time * 1e3) as u64;
+        let (seconds, rest) = (milliseconds / 1000, milliseconds % 1000);
+        let (hour, minute, second) = (seconds / 3600 % 24, seconds / 60 % 60, seconds % 60);
+        format!("{hour:02}:{minute:02}:{second:02}.{rest:03}")
+    }
+}

@@ -17,10 +17,10 @@ use serde_json::Value;
 use crate::{
     Aborted, About, Activities, Activity, AllAborted, Answers, Applied, AskParameters,
     CallParameters, CallReply, Cell, CellEnds, Cells, Change, ChangeParameters, Clock, Component,
-    Components, Connection, ConnectionRequest, Connections, Daemons, DeploymentRequest,
-    Description, Disconnected, Dumped, Findings, Fired, Inputs, LoadRequest, LogEntry,
-    LogParameters, Logs, LookParameters, MiddlewareParameters, Middlewares, MoveRequest, Moved,
-    Port, PortParameters, PortTraffic, PortType, Ports, Published, Ready, ReadyParameters,
+    Components, Connection, ConnectionRequest, Connections, CrashReport, Crashes, Daemons,
+    DeploymentRequest, Description, Disconnected, Dumped, Findings, Fired, Inputs, LoadRequest,
+    LogEntry, LogParameters, Logs, LookParameters, MiddlewareParameters, Middlewares, MoveRequest,
+    Moved, Port, PortParameters, PortTraffic, PortType, Ports, Published, Ready, ReadyParameters,
     RecordingEnds, RecordingRequest, Reloaded, Replayed, Right, Service, Statistics, StepRequest,
     Stopping, StreamParameters, Unloaded, ValueParameters,
 };
@@ -178,6 +178,10 @@ routes! {
     /// Kills its process, as a fault would; its components come back as their policies say. Of a
     /// cell that has failed, starts the process again.
     Post restart_cell(cell) [Admin] "/cells/{cell}/restart", Cell;
+    /// Reports of cells whose process ended without being asked to.
+    Get crashes() [Read] "/crashes", Crashes;
+    /// One of them.
+    Get crash(crash) [Read] "/crashes/{crash}", CrashReport;
     /// The types of a component as JSON Schemas.
     Get schema(component) [Read] "/components/{component}/schema", Value;
     /// Moves a component, or one of its ports, to other middlewares.

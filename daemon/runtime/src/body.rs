@@ -133,6 +133,10 @@ pub trait Frame: Send {
     /// parameters to the outputs, and clears outputs and locals (genom3.md 7.3.4).
     fn begin(&mut self, input: &Record);
 
+    /// Takes the number of the activity that this run is, from 1 on. A body that does not tell it
+    /// in a report ignores it.
+    fn number(&mut self, _activity: u32) {}
+
     /// Copies the `in` and `inout` parameters of an attribute (or of a service of the papers'
     /// dialects) into the IDS (genom3.md 7.3.6).
     fn store(&mut self);

@@ -60,15 +60,12 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
 
 /// `12:34:56.789 WARN  demo: message`, in UTC as in the daemon's own log.
 fn render(entry: &LogEntry, terminal: Terminal) -> String {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a date")]
-    let milliseconds = (entry.time * 1e3) as u64;
-    let (seconds, rest) = (milliseconds / 1000, milliseconds % 1000);
-    let (hour, minute, second) = (seconds / 3600 % 24, seconds / 60 % 60, seconds % 60);
+    let time = entry.time_of_day();
     let component = entry.component.as_ref().map_or_else(String::new, |name| format!("{name}: "));
     let level = format!("{:<5}", entry.level.to_string().to_uppercase());
     let tone = Tone::of(entry.level.into()).filter(|_| terminal.colour);
     let level = tone.map_or(level.clone(), |tone| tone.paint(&level));
-    format!("{hour:02}:{minute:02}:{second:02}.{rest:03} {level} {component}{}\n", entry.message)
+    format!("{time} {level} {component}{}\n", entry.message)
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ mod completion;
 mod connect;
 mod connections;
 mod context;
+mod crashes;
 mod daemons;
 mod describe;
 mod digest;
@@ -87,6 +88,7 @@ pub(crate) enum Verb {
     Load(load::Args),
     Unload(unload::Args),
     Cells(cells::Args),
+    Crashes(crashes::Args),
     Fire(fire::Args),
     Events(events::Args),
     Stats(stats::Args),
@@ -158,6 +160,7 @@ pub(crate) async fn run(
         Verb::Connections(args) => connections::run(args, session).await,
         Verb::Load(args) => load::run(args, session).await,
         Verb::Cells(args) => cells::run(args, session).await,
+        Verb::Crashes(args) => crashes::run(args, session).await,
         Verb::Unload(args) => unload::run(args, session).await,
         Verb::Fire(args) => fire::run(args, session).await,
         Verb::Events(args) => events::run(args, session).await,

@@ -8,9 +8,9 @@ use axum::extract::{FromRequestParts as _, MatchedPath, Path, RawPathParams, Req
 use axum::http::{Method, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
-use genom_cells::{AskError, Cell, Cells, Down, OpenError};
+use genom_cells::{AskError, Cell, Cells, Down, OpenError, StoreError};
 use genom_doors::{Holder, RpcError};
-use genom_protocol::{CallReply, CellEnds, CellState, Code, Outcome, routes};
+use genom_protocol::{CallReply, CellEnds, CellState, Code, CrashReport, Crashes, Outcome, routes};
 use serde_json::json;
 
 /// List the cells: processes of their own for components.
@@ -60,6 +60,35 @@ pub(crate) async fn restart(
     let cell = find(&cells, &cell)?;
     cell.restart().await.map_err(|error| down(&error))?;
     Ok(Json(cell.told()))
+}
+
+/// List the reports of cells whose process ended without being asked to.
+#[utoipa::path(get, path = "/crashes", tag = "cells", responses((status = 200, body = Crashes)))]
+pub(crate) async fn crashes(State(cells): State<Arc<Cells>>) -> Json<Crashes> {
+    Json(cells.crashes().await)
+}
+
+/// One of these reports: signal, codel, inputs, backtrace, statistics, log.
+#[utoipa::path(
+    get,
+    path = "/crashes/{crash}",
+    tag = "cells",
+    responses((status = 200, body = CrashReport), (status = 404))
+)]
+pub(crate) async fn crash(
+    State(cells): State<Arc<Cells>>,
+    Path(crash): Path<String>,
+) -> Result<Json<CrashReport>, RpcError> {
+    let found = cells.crash(&crash).await;
+    found.map(Json).map_err(|(error, names)| match error {
+        StoreError::Unknown(_) => RpcError::unknown(
+            Code::NoSuchCrash,
+            "no report",
+            &crash,
+            names.iter().map(String::as_str),
+        ),
+        error => RpcError::internal(error.to_string()),
+    })
 }
 
 fn find(cells: &Cells, name: &str) -> Result<Arc<Cell>, RpcError> {

@@ -62,6 +62,8 @@ fn routes() -> OpenApiRouter<Parts> {
         .routes(routes!(cells::list))
         .routes(routes!(cells::end))
         .routes(routes!(cells::restart))
+        .routes(routes!(cells::crashes))
+        .routes(routes!(cells::crash))
         .routes(routes!(backends::change))
         .routes(routes!(services::describe, services::call))
         .routes(routes!(activities::list, activities::abort_all))

@@ -20,6 +20,8 @@ pub(super) struct Prepared {
     pub(super) name: String,
     /// Description of the codel for the report if it ends the process.
     pub(super) words: String,
+    /// What it belongs to: `service NAME` or `task NAME`.
+    pub(super) owner: String,
     /// Address of the C function.
     pub(super) function: usize,
     pub(super) interface: Interface,
@@ -117,7 +119,11 @@ impl Workshop<'_> {
         };
         let name = codel.name.clone();
         let words = format!("codel `{name}` of {}", self.library.path().display());
-        Some(Prepared { name, words, function, interface, arguments, context })
+        let owner = match codel.owner {
+            Owner::Service(rank) => format!("service {}", self.model.services.get(rank)?.name),
+            Owner::Task(rank) => format!("task {}", self.model.tasks.get(rank)?.name),
+        };
+        Some(Prepared { name, words, owner, function, interface, arguments, context })
     }
 
     /// Address of the C function; records an error if there is none.

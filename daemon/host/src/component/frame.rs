@@ -16,13 +16,17 @@ use super::inner::Inner;
 use super::last::Last;
 use super::types::Copy;
 use super::zones::{self, MemoryCheck, Watched};
+use crate::crash_note;
 use crate::cxx::Catcher;
 use crate::detail::UNKEX;
 use crate::events::EventCache;
 use crate::last_words;
 use crate::process;
-use crate::running;
+use crate::running::{self, Doing};
 use crate::what::WHAT;
+
+/// Most bytes of the inputs of a service that the report of a crash has.
+const INPUTS: usize = 4096;
 
 /// In `ranks`: the codel belongs to another owner.
 const ABSENT: u16 = u16::MAX;
@@ -47,6 +51,8 @@ pub(super) struct BoundFrame {
     /// Detail of the last exception.
     pub(super) detail: Box<[u64]>,
     pub(super) last: Last,
+    /// What it is for, as the report of a crash tells it.
+    pub(super) doing: Doing,
     // Declared, so dropped, after the records: code of the library may have to release their
     // buffers.
     pub(super) inner: Arc<Inner>,
@@ -116,8 +122,26 @@ impl BoundFrame {
             what: [0; WHAT],
             detail: vec![0; inner.details.room().div_ceil(8)].into(),
             last: Last::Plain,
+            doing: Doing {
+                component: inner.instance.get().cloned().unwrap_or_default(),
+                owner: owner_of(inner, codels.map_or(&[], Vec::as_slice)),
+                ..Doing::default()
+            },
             inner: Arc::clone(inner),
         }
+    }
+
+    /// Keeps the inputs in words, if a crash would be reported; large ones would cost too much.
+    fn keep_inputs(&mut self, input: &Record) {
+        self.doing.activity = 0;
+        self.doing.inputs.clear();
+        if !crash_note::is_kept() {
+            return;
+        }
+        self.doing.inputs = match input.message_size() {
+            size if size <= INPUTS => input.to_json().to_string(),
+            size => format!("\"{size} bytes: not kept\""),
+        };
     }
 
     /// Copies values between records and the IDS.
@@ -145,9 +169,16 @@ impl BoundFrame {
     }
 }
 
+/// What these codels belong to.
+fn owner_of(inner: &Inner, codels: &[CodelIx]) -> String {
+    let mut prepared = codels.iter().filter_map(|codel| inner.codels.get(*codel)?.as_ref());
+    prepared.next().map_or_else(String::new, |codel| codel.owner.clone())
+}
+
 impl Frame for BoundFrame {
     fn begin(&mut self, input: &Record) {
         self.last = Last::Plain;
+        self.keep_inputs(input);
         if let Err(why) = self.input.copy_from(input) {
             tracing::error!("inputs of another service: {why}");
             self.input.clear();
@@ -163,6 +194,11 @@ impl Frame for BoundFrame {
         };
         let (from, to) = (self.input.as_ptr(), self.output.as_mut_ptr());
         self.copy(&types.inout, from, to);
+    }
+
+    fn number(&mut self, activity: u32) {
+        // The number of a task's own codels means nothing outside.
+        self.doing.activity = self.service.map_or(0, |_| activity);
     }
 
     fn store(&mut self) {
@@ -250,7 +286,7 @@ impl Frame for BoundFrame {
         let mut catcher =
             inner.cxx.as_ref().map(|cxx| Catcher::new(&cxx.exceptions, &inner.details));
         context.enter();
-        let codel = running::running(&prepared.words);
+        let codel = running::serving(&prepared.words, &self.doing);
         // SAFETY: the function was found under this name in the library, which stays loaded as long
         // as the component lives; the arguments point to data of the interface's classes, which the
         // runtime keeps from being changed.

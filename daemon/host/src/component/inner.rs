@@ -39,6 +39,8 @@ pub(super) struct Inner {
     pub(super) described: AllDescribed,
     /// Where codels wrote past their memory, once that was detected.
     pub(super) damage: OnceLock<String>,
+    /// Instance name, once it is known.
+    pub(super) instance: OnceLock<String>,
     /// Names of the plan's events, by index.
     pub(super) events: Vec<String>,
     /// Type of the records of permanent activities: an empty struct.

@@ -94,6 +94,11 @@ impl Component {
         }
     }
 
+    /// Sets its name in the report of a crash; the first one counts.
+    pub fn name_it(&self, instance: &str) {
+        let _ = self.inner.instance.set(instance.to_owned());
+    }
+
     /// The library file, by the path it was requested with.
     #[must_use]
     pub fn library(&self) -> PathBuf {

@@ -168,6 +168,7 @@ impl Parts {
                 .map(|event| meant(event, &details, &model.states))
                 .collect(),
             described: AllDescribed::new(plan),
+            instance: OnceLock::new(),
             damage: OnceLock::new(),
             events,
             shared,

@@ -13,7 +13,8 @@ use crate::watcher::Change;
 
 impl Engine {
     /// Creates a run of this machine. All its memory is allocated here, none by the task.
-    pub(crate) fn new_run(&self, id: u32, machine: usize, frame: Box<dyn Frame>) -> Box<Run> {
+    pub(crate) fn new_run(&self, id: u32, machine: usize, mut frame: Box<dyn Frame>) -> Box<Run> {
+        frame.number(id);
         let compiled = &self.shared.plan.machines()[machine];
         Box::new(Run {
             id,

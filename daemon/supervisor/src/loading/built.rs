@@ -10,7 +10,7 @@ pub(super) fn date(library: &Path) -> String {
 }
 
 /// Formats a date as `2026-11-21T15:04:05Z`.
-fn text(date: SystemTime) -> String {
+pub fn text(date: SystemTime) -> String {
     let seconds = date.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     let (year, month, day) = civil(seconds / 86_400);
     let second = seconds % 86_400;

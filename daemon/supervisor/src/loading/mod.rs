@@ -23,6 +23,7 @@ use crate::components::request::{self, RequestError};
 use crate::known::Reading;
 use crate::settings::Settings;
 use crate::supervisor::Supervisor;
+pub use built::text as date_in_utc;
 pub use error::LoadError;
 pub use reactions::{IdleReaction, check_reactions};
 
@@ -94,6 +95,7 @@ fn bring_up(supervisor: &Arc<Supervisor>, request: &LoadRequest) -> Result<Arc<H
         masquerades.extend(supervisor.backends.masquerade(&one.template, &name, &one.data)?);
     }
     let component = open(&mut located, &reading)?;
+    component.name_it(&name);
     let plan = Arc::clone(&reading.plan);
     drop(reading);
     // Absolute, because a dump may be read in another directory.

@@ -108,7 +108,10 @@ const UNSAFE: &[&str] = &[
 /// below it.
 const FLOORS: &[(&str, &str)] = &[
     ("registry", "known backends masquerade lib"),
-    ("configuration", "error limits cells levels place terms offers rpc spot overrides file lib"),
+    (
+        "configuration",
+        "error limits cells crashes levels place terms offers rpc spot overrides file lib",
+    ),
     ("ports", "dates gauge key tape fan feeds tap lib"),
     (
         "supervisor",
@@ -122,7 +125,7 @@ const FLOORS: &[(&str, &str)] = &[
     ),
     (
         "cells",
-        "end policy place journal client follow remains process setup cell asking cells react merge \
+        "end policy place journal client crashes follow remains process setup cell asking cells react merge \
          record wire \
          own lib",
     ),

@@ -1,0 +1,76 @@
+//! What a cell tells while it lives, and the report of an end that nobody asked for.
+
+use std::sync::PoisonError;
+
+use genom_protocol::{Change, Crash};
+
+use super::Cell;
+use crate::crashes::Known;
+use crate::end::End;
+use crate::follow::Events;
+use crate::journal;
+use crate::setup::Told;
+
+impl Cell {
+    fn with_known<T>(&self, work: impl FnOnce(&mut Known) -> T) -> T {
+        work(&mut self.known.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Tells on what it tells, until its streams are over.
+    pub(super) async fn follow(&self, after: Option<u64>) {
+        let changes = async {
+            let Ok(mut events) = Events::open(&self.client, "/events", after).await else { return };
+            while let Some((_, change)) = events.next().await {
+                self.heard(&change);
+                // Its last component went by itself (service `kill`), and none is being loaded.
+                if self.is_empty() && change["event"] == "component_unloaded" {
+                    let turn = self.changing.try_lock();
+                    if turn.is_ok() {
+                        self.ask_to_stop();
+                    }
+                }
+                self.setup.tell(Told::Change(change));
+            }
+        };
+        let logs = async {
+            let path = "/logs/stream?last=1024";
+            let Ok(mut events) = Events::open(&self.client, path, None).await else { return };
+            while let Some((_, entry)) = events.next().await {
+                self.with_known(|known| known.hear(&entry));
+                self.setup.tell(Told::Log(entry));
+            }
+        };
+        tokio::join!(changes, logs);
+    }
+
+    /// Begins the report of an end, unless somebody asked for it; it is written while the cell
+    /// starts again.
+    pub(super) fn report(&self, end: &End) {
+        let (asked, pid) = self.with(|state| (std::mem::take(&mut state.asked), state.pid));
+        let known = self.with_known(std::mem::take);
+        let in_order = matches!(end, End::Exited(0) | End::NotStarted(_));
+        if asked || in_order || self.is_stopping() {
+            return;
+        }
+        let held = journal::read(&self.place.journal()).unwrap_or_default();
+        let (reports, cell) = (&self.setup.reports, (self.name.as_str(), pid));
+        let seen = reports.look(cell, end, &self.place.note(), &held.component, &known);
+        let (Some(seen), setup) = (seen, std::sync::Arc::clone(&self.setup)) else { return };
+        let cell = self.name.clone();
+        tokio::task::spawn_blocking(move || match setup.reports.write(seen) {
+            Ok(Crash { name: report, end, codel, .. }) => {
+                tracing::warn!("cell {cell}: `genomctl crashes {report}` shows how it ended");
+                setup.tell(Told::Cell(Change::CellCrashed { cell, report, end, codel }));
+            }
+            Err(error) => tracing::error!("cell {cell}: no report of its end: {error}"),
+        });
+    }
+
+    /// The same of a process that crashed while no daemon was there.
+    pub(super) fn report_left(&self) {
+        let noted = std::fs::metadata(self.place.note());
+        if noted.is_ok_and(|found| found.len() > 0) {
+            self.report(&End::Unknown);
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! Reports of crashes: what is known when the process of a cell has ended without being asked to.
+//!
+//! The dying process writes what only it knows to a file in the cell's directory (`note`); the
+//! daemon adds what it heard of the cell before (`known`), names the functions of the backtrace
+//! from the libraries' symbols (`images`), and keeps it all in a directory of its own (`store`).
+//! Nothing waits for it: the cell is started again meanwhile.
+
+mod images;
+mod known;
+mod memory;
+mod note;
+mod store;
+
+use std::fs;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use genom_configuration::{CrashesSection, LoadRequest};
+use genom_protocol::{Crash, CrashReport, CrashedComponent, Crashes};
+use genom_supervisor::loading::date_in_utc;
+use rustix::process::Signal;
+
+use crate::end::End;
+use images::Images;
+pub(crate) use known::{Known, learn};
+use memory::Shortage;
+use note::Note;
+use store::Store;
+pub use store::StoreError;
+
+/// The reports of a daemon's cells.
+#[derive(Debug)]
+pub struct Reports {
+    store: Store,
+    shortage: Shortage,
+    socket: PathBuf,
+}
+
+/// The end of a process, with what was there to be seen of it right after.
+#[derive(Debug)]
+pub(crate) struct Ended {
+    report: CrashReport,
+    raw: Vec<u8>,
+    note: Option<(Note, Images)>,
+}
+
+impl Reports {
+    /// Those of the daemon that listens on this socket; nothing is made yet.
+    #[must_use]
+    pub fn new(section: &CrashesSection, socket: &Path) -> Self {
+        let shortage = Shortage::new();
+        Self { store: Store::new(section), shortage, socket: socket.to_owned() }
+    }
+
+    /// All that are kept.
+    #[must_use]
+    pub fn list(&self) -> Crashes {
+        Crashes { directory: self.store.directory.clone(), crashes: self.store.list() }
+    }
+
+    /// The report of this name.
+    ///
+    /// # Errors
+    /// There is none, or it cannot be read.
+    pub fn read(&self, name: &str) -> Result<CrashReport, StoreError> {
+        self.store.read(name)
+    }
+
+    /// Takes what the next process of the cell would remove: the note, and the private copies of
+    /// libraries, by opening them. `None` if no report is wanted.
+    pub(crate) fn look(
+        &self,
+        (cell, pid): (&str, Option<u32>),
+        end: &End,
+        note: &Path,
+        held: &[LoadRequest],
+        known: &Known,
+    ) -> Option<Ended> {
+        if !self.store.is_kept() {
+            return None;
+        }
+        let raw = take(note);
+        let now = SystemTime::now();
+        let since = now.duration_since(UNIX_EPOCH).unwrap_or_default();
+        let date = date_in_utc(now).replace(['-', ':', 'Z'], "");
+        let name = format!("crash-{date}{:03}Z-{cell}", since.subsec_millis());
+        let components: Vec<_> = held.iter().map(|one| known.component(one)).collect();
+        let libraries: Vec<_> = components.iter().map(|one| one.library.clone()).collect();
+        let note = note::read(&raw);
+        let codel = note.as_ref().and_then(|note| note.fault.words.as_deref()).and_then(codel);
+        // The kernel kills with this signal; so do others, when there is no shortage.
+        let killed = *end == End::Signal(Signal::KILL.as_raw());
+        Some(Ended {
+            report: CrashReport {
+                crash: Crash {
+                    name,
+                    time: since.as_secs_f64(),
+                    cell: cell.to_owned(),
+                    end: end.to_string(),
+                    codel: codel.map(str::to_owned),
+                },
+                genomd: env!("CARGO_PKG_VERSION").to_owned(),
+                socket: self.socket.clone(),
+                pid,
+                out_of_memory: killed.then(|| self.shortage.came()).flatten(),
+                components,
+                fault: None,
+                log: known.log(),
+            },
+            note: note.map(|note| {
+                let images = Images::open(&note, &libraries);
+                (note, images)
+            }),
+            raw,
+        })
+    }
+
+    /// Completes a report, and keeps it. Takes a while: it reads symbols.
+    ///
+    /// # Errors
+    /// The directory cannot be written.
+    pub(crate) fn write(&self, ended: Ended) -> Result<Crash, StoreError> {
+        let Ended { mut report, raw, note } = ended;
+        let build_id = |component: &CrashedComponent| match &note {
+            Some((_, images)) => images.build_id(&component.library),
+            None => images::build_id_of(&component.library),
+        };
+        let ids: Vec<_> = report.components.iter().map(build_id).collect();
+        for (component, id) in report.components.iter_mut().zip(ids) {
+            component.build_id = id;
+        }
+        if let Some((Note { fault, pc, callers, guesses, .. }, images)) = note {
+            let mut fault = fault;
+            fault.guessed = callers.is_empty() && !guesses.is_empty();
+            let callers = if fault.guessed { guesses } else { callers };
+            let callers = callers.into_iter().map(|at| (at, true));
+            let addresses: Vec<_> = pc.map(|at| (at, false)).into_iter().chain(callers).collect();
+            fault.frames = images.name(&addresses);
+            if pc.is_none() {
+                // It was a function of the daemon's program that noted the end.
+                let own = fault.frames.first().and_then(|frame| frame.file.clone());
+                let foreign = fault.frames.iter().position(|frame| frame.file != own);
+                fault.frames.drain(..foreign.unwrap_or(0));
+            }
+            report.fault = Some(fault);
+        }
+        self.store.add(&mut report, &raw)?;
+        Ok(report.crash)
+    }
+}
+
+/// The note of a process that has ended, removed: the next process writes its own.
+fn take(path: &Path) -> Vec<u8> {
+    let mut raw = Vec::new();
+    // The cell may write in its directory: a link could lead to any file of the user.
+    if let Some(file) = images::regular_itself(path) {
+        let _ = file.take(note::MOST).read_to_end(&mut raw);
+        let _ = fs::remove_file(path);
+    }
+    raw
+}
+
+/// The name in ``codel `NAME` of ...``.
+fn codel(words: &str) -> Option<&str> {
+    words.strip_prefix("codel `")?.split('`').next()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_codel_is_the_one_that_the_process_named() {
+        assert_eq!(codel("codel `go` of /opt/a.so"), Some("go"));
+        assert_eq!(codel("a constructor of /opt/a.so"), None);
+    }
+
+    #[test]
+    fn a_note_that_is_a_link_or_a_pipe_is_not_read() {
+        let scratch = tempfile::tempdir().unwrap();
+        let (secret, link, pipe) = (
+            scratch.path().join("secret"),
+            scratch.path().join("link"),
+            scratch.path().join("pipe"),
+        );
+        fs::write(&secret, "what x").unwrap();
+        std::os::unix::fs::symlink(&secret, &link).unwrap();
+        let mode = rustix::fs::Mode::RUSR | rustix::fs::Mode::WUSR;
+        rustix::fs::mknodat(rustix::fs::CWD, &pipe, rustix::fs::FileType::Fifo, mode, 0).unwrap();
+        assert_eq!((take(&link), take(&pipe)), (Vec::new(), Vec::new()));
+        assert!(images::regular(&pipe).is_none());
+        assert_eq!(take(&secret), b"what x");
+        assert!(!secret.exists());
+    }
+
+    #[test]
+    fn an_end_that_told_nothing_is_reported_with_what_is_known() {
+        let scratch = tempfile::tempdir().unwrap();
+        let directory = Some(scratch.path().join("crashes"));
+        let section = CrashesSection { directory, ..CrashesSection::default() };
+        let reports = Reports::new(&section, Path::new("/run/s"));
+        let held = [LoadRequest { library: "/no/demo.so".into(), ..LoadRequest::default() }];
+        let note = scratch.path().join("note");
+        let cell = ("arm", Some(42));
+        let ended = reports.look(cell, &End::Signal(9), &note, &held, &Known::default());
+        let crash = reports.write(ended.unwrap()).unwrap();
+        assert_eq!(reports.list().crashes, std::slice::from_ref(&crash));
+        let report = reports.read(&crash.name).unwrap();
+        assert_eq!((report.crash.end.as_str(), report.fault), ("signal 9 (SIGKILL)", None));
+        assert_eq!(report.components[0].name, "demo");
+        let none = Reports::new(&CrashesSection { most: 0, ..section }, Path::new("/run/s"));
+        let ended = none.look(cell, &End::Signal(9), &note, &held, &Known::default());
+        assert!(ended.is_none());
+    }
+}

@@ -1,0 +1,40 @@
+//! Section `[crashes]`: where reports of cells that crashed are kept, and how many.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+/// Section `[crashes]`.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CrashesSection {
+    /// The directory of the reports; by default one in the user's directory of states.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub directory: Option<PathBuf>,
+    /// Reports that are kept; the oldest are removed. With 0, none are written.
+    pub most: usize,
+    /// Size of all of them together, in bytes.
+    pub most_bytes: u64,
+    /// Whether cells leave core dumps, as the system is configured.
+    pub core: bool,
+}
+
+impl Default for CrashesSection {
+    fn default() -> Self {
+        Self { directory: None, most: 20, most_bytes: 67_108_864, core: false }
+    }
+}
+
+impl CrashesSection {
+    /// The directory: the one configured, else `genomd/crashes` in `$XDG_STATE_HOME`, else in
+    /// `~/.local/state`; `None` without any of them.
+    #[must_use]
+    pub fn place(&self) -> Option<PathBuf> {
+        let variable = |name| std::env::var_os(name).map(PathBuf::from);
+        let absolute = |path: &PathBuf| path.is_absolute();
+        let state = variable("XDG_STATE_HOME").filter(absolute);
+        let home = || variable("HOME").filter(absolute).map(|home| home.join(".local/state"));
+        let own = || Some(state.or_else(home)?.join("genomd/crashes"));
+        self.directory.clone().or_else(own)
+    }
+}

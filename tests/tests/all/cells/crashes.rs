@@ -1,0 +1,258 @@
+//! What is left of a cell that crashed: a report that says what ran and where.
+
+use std::os::unix::fs::PermissionsExt as _;
+use std::path::{Path, PathBuf};
+
+use genom_tests::{Daemon, Home, component, request, until};
+use serde_json::{Value, json};
+
+use super::{cell, load, signal};
+
+/// Where a daemon of a test keeps its reports by default.
+fn place(home: &Home) -> PathBuf {
+    home.path().join("state/genomd/crashes")
+}
+
+/// The report of the crash of a component in a cell of its own, after calling this.
+#[track_caller]
+fn crash(call: &[&str]) -> Value {
+    let daemon = Daemon::start(&[]);
+    let mut events = daemon.events();
+    load(&daemon, "crashes", &["--name", "broken", "--cell", "arm", "--restart", "never"]);
+    daemon.ctl(&[&["call", "broken"], call].concat()).expect_code(1);
+    let told = events.wait_for(|e| e["event"] == "cell_crashed");
+    assert_eq!(told["cell"], "arm");
+    let report = daemon.json(&["crashes", told["report"].as_str().unwrap()]);
+    assert_eq!(report["end"], told["end"]);
+    assert_eq!(report["codel"], told["codel"]);
+    let library = component("crashes").library;
+    let words = report["fault"]["words"].as_str().unwrap();
+    assert!(words.contains(library.to_str().unwrap()), "{words}");
+    assert_eq!(report["fault"]["component"], "broken");
+    assert_eq!(report["fault"]["cut"], false, "{report}");
+    assert_eq!(report["components"][0]["library"], library.to_str().unwrap());
+    report
+}
+
+/// Whether a frame is in this function of the library of the component.
+#[track_caller]
+fn assert_frame(report: &Value, codel: &str) {
+    let frames = report["fault"]["frames"].as_array().unwrap();
+    let library = component("crashes").library;
+    let is = |frame: &&Value| {
+        let function = frame["function"].as_str().unwrap_or_default();
+        function.starts_with(&format!("{codel}+0x")) && frame["file"] == library.to_str().unwrap()
+    };
+    assert!(frames.iter().any(|frame| is(&frame)), "{report:#}");
+    assert_eq!(report["fault"]["guessed"], false, "{report:#}");
+}
+
+#[test]
+fn a_report_names_signal_address_codel_activity_and_function() {
+    let report = crash(&["segfault"]);
+    assert_eq!(report["end"], "signal 11 (SIGSEGV)");
+    assert_eq!(report["codel"], "crashes_segfault");
+    let fault = &report["fault"];
+    assert_eq!((&fault["what"], &fault["address"]), (&json!("SIGSEGV"), &json!("0x0")));
+    assert_eq!(fault["owner"], "service segfault");
+    assert!(fault["activity"].as_u64().is_some_and(|number| number > 0), "{fault}");
+    assert_frame(&report, "crashes_segfault");
+    // Where the signal hit comes first.
+    let first = fault["frames"][0]["function"].as_str().unwrap();
+    assert!(first.starts_with("crashes_segfault+"), "{fault:#}");
+}
+
+#[test]
+fn a_report_of_abort_names_the_codel_that_called_it() {
+    let report = crash(&["abort"]);
+    assert_eq!(report["end"], "signal 6 (SIGABRT)");
+    assert_frame(&report, "crashes_abort");
+}
+
+#[test]
+fn a_report_of_a_function_has_its_inputs() {
+    let report = crash(&["divide", "by=0"]);
+    assert_eq!(report["end"], "signal 8 (SIGFPE)");
+    assert_eq!(report["fault"]["inputs"], json!({"by": 0}));
+    assert_eq!(report["fault"]["owner"], "service divide");
+    assert_frame(&report, "crashes_divide");
+}
+
+#[test]
+fn a_report_of_exit_names_the_codel_that_called_it() {
+    let report = crash(&["leave"]);
+    assert_eq!(report["end"], "exit status 1");
+    assert_eq!(report["fault"]["what"], "exit");
+    assert_frame(&report, "crashes_leave");
+}
+
+#[test]
+fn a_killed_cell_is_reported_with_what_was_known_of_it() {
+    let often = "[cells]\nrestart_most = 1000\nrestart_delay = 0.0\nrestart_factor = 1.0\n";
+    let daemon = Home::new().configured(often).start(&[]);
+    let mut events = daemon.events();
+    load(&daemon, "demo", &["--isolated"]);
+    let mut reported = || {
+        let pid = cell(&daemon, "demo")["pid"].clone();
+        signal(&daemon, "demo", "KILL");
+        let told = events.wait_for(|e| e["event"] == "cell_crashed");
+        let report = daemon.json(&["crashes", "1"]);
+        assert_eq!((&report["name"], &report["pid"]), (&told["report"], &pid));
+        assert_eq!(report["end"], "signal 9 (SIGKILL)");
+        until("it is back", || daemon.ctl(&["call", "demo", "get_speed"]).code == Some(0));
+        report
+    };
+    let known = |report: &Value| {
+        let component = &report["components"][0];
+        component["statistics"]["tasks"][0]["name"] == "main"
+            && component["build_id"].is_string()
+            && !report["log"].as_array().unwrap().is_empty()
+    };
+    // Its log is heard, and its tasks are asked, once it runs.
+    until("a process lives long enough", || known(&reported()));
+    // People get the same in words; a name that is none gets the ones that are.
+    let told = |words: &[&str], wanted: &str| {
+        let shown = daemon.ctl(words).expect_code(0).out.clone();
+        assert!(shown.contains(wanted), "{shown}");
+    };
+    told(&["crashes", "1"], "cell demo, process ");
+    told(&["crashes", "1"], "task main: ");
+    told(&["crashes"], "signal 9 (SIGKILL)");
+    daemon.ctl(&["crashes", "99"]).expect_code(1).expect_err("no report `99`");
+}
+
+#[test]
+fn an_end_that_somebody_asked_for_leaves_no_report() {
+    let daemon = Daemon::start(&[]);
+    for name in ["a", "b"] {
+        load(&daemon, "demo", &["--name", name, "--isolated"]);
+    }
+    daemon.ctl(&["cells", "--restart", "a"]).expect_code(0);
+    daemon.ctl(&["cells", "--end", "b"]).expect_code(0);
+    daemon.ctl(&["unload", "a"]).expect_code(0);
+    assert_eq!(daemon.json(&["crashes"])["crashes"], json!([]));
+    let (stopped, home) = daemon.stop("TERM");
+    stopped.expect_code(0);
+    assert!(!place(&home).exists());
+}
+
+#[test]
+fn twenty_crashes_leave_no_more_reports_than_the_limit_and_nobody_else_can_read_them() {
+    let few = "[cells]\nrestart_most = 100\nrestart_delay = 0.0\nrestart_factor = 1.0\n\
+               [crashes]\nmost = 3\n";
+    let daemon = Home::new().configured(few).start(&[]);
+    load(&daemon, "demo", &["--isolated"]);
+    let mut events = daemon.events();
+    let mut last = Value::Null;
+    for _ in 0..20 {
+        signal(&daemon, "demo", "KILL");
+        // The report is written while the cell comes back: either may be first.
+        let (mut back, mut told) = (false, false);
+        while !(back && told) {
+            let event =
+                events.wait_for(|e| e["event"] == "cell_runs" || e["event"] == "cell_crashed");
+            back |= event["event"] == "cell_runs";
+            if event["event"] == "cell_crashed" {
+                told = true;
+                last = event["report"].clone();
+            }
+        }
+    }
+    let reports = daemon.json(&["crashes"])["crashes"].as_array().unwrap().clone();
+    assert_eq!(reports.len(), 3);
+    assert_eq!(reports[0]["name"], last);
+    let place = place(daemon.home());
+    let mode = |path: &Path| std::fs::metadata(path).unwrap().permissions().mode() & 0o777;
+    let mut found = 0;
+    for entry in std::fs::read_dir(&place).unwrap() {
+        let path = entry.unwrap().path();
+        assert_eq!(mode(&path), 0o700, "{}", path.display());
+        assert_eq!(mode(&path.join("report.json")), 0o600);
+        found += 1;
+    }
+    assert_eq!((mode(&place), found), (0o700, 3));
+}
+
+#[test]
+fn a_directory_that_cannot_be_written_is_told_and_nothing_else_is_disturbed() {
+    let home = Home::new();
+    let file = home.path().join("file");
+    std::fs::write(&file, "").unwrap();
+    let inside = format!("[crashes]\ndirectory = {:?}\n", file.join("crashes"));
+    let daemon = home.configured(&inside).start(&[]);
+    load(&daemon, "demo", &["--isolated"]);
+    let mut events = daemon.events();
+    signal(&daemon, "demo", "KILL");
+    events.wait_for(|e| e["event"] == "cell_runs");
+    daemon.ctl(&["call", "demo", "get_speed"]).expect_code(0);
+    until("it is told", || daemon.ctl(&["logs"]).out.contains("cell demo: no report of its end"));
+    assert_eq!(daemon.json(&["crashes"])["crashes"], json!([]));
+}
+
+#[test]
+fn a_crash_while_no_daemon_is_there_is_reported_by_the_next() {
+    let daemon = Home::new().start(&[]);
+    load(&daemon, "crashes", &["--isolated"]);
+    let pid = cell(&daemon, "crashes")["pid"].to_string();
+    let socket = cell(&daemon, "crashes")["socket"].as_str().unwrap().to_owned();
+    let home = daemon.abandon();
+    let asked = std::thread::spawn(move || {
+        let mut stream = std::os::unix::net::UnixStream::connect(socket).unwrap();
+        let path = "/components/crashes/services/segfault";
+        let head = format!("POST {path} HTTP/1.1\r\nHost: x\r\nContent-Length: 2\r\n\r\n{{}}");
+        std::io::Write::write_all(&mut stream, head.as_bytes()).unwrap();
+        // Until the process ends.
+        let _ = std::io::Read::read_to_end(&mut stream, &mut Vec::new());
+    });
+    until("it is gone", || !Path::new(&format!("/proc/{pid}/exe")).exists());
+    asked.join().unwrap();
+    let daemon = home.start(&[]);
+    until("it is reported", || daemon.json(&["crashes"])["crashes"] != json!([]));
+    let report = daemon.json(&["crashes", "1"]);
+    assert_eq!(report["codel"], "crashes_segfault");
+    assert_eq!(report["fault"]["what"], "SIGSEGV");
+}
+
+#[test]
+fn no_name_of_a_report_leads_out_of_their_directory() {
+    let daemon = Home::new().start(&[]);
+    let place = place(daemon.home());
+    std::fs::create_dir_all(&place).unwrap();
+    let secret = daemon.home().path().join("state/genomd/crash-secret");
+    std::fs::create_dir(&secret).unwrap();
+    let report = json!({
+        "name": "secret", "time": 0, "cell": "secret", "end": "secret", "genomd": "0",
+        "socket": "/", "components": [], "log": [],
+    });
+    std::fs::write(secret.join("report.json"), report.to_string()).unwrap();
+    std::os::unix::fs::symlink(&secret, place.join("crash-link")).unwrap();
+    let socket = daemon.home().socket();
+    for name in [
+        "..%2Fcrash-secret",
+        "crash-x%2F..%2F..%2Fcrash-secret",
+        "%2e%2e%2fcrash-secret",
+        "crash-link",
+        "crash-secret%00",
+        "crash-%2e%2e",
+        "..",
+    ] {
+        let reply = request(&socket, "GET", &format!("/crashes/{name}"), "");
+        assert_eq!(reply.status, 404, "{name}: {:?}", reply.body);
+    }
+    assert_eq!(daemon.json(&["crashes"])["crashes"], json!([]));
+}
+
+#[test]
+fn cells_leave_core_dumps_only_where_they_are_asked_for() {
+    let limit = |daemon: &Daemon| {
+        load(daemon, "demo", &["--isolated"]);
+        let pid = cell(daemon, "demo")["pid"].to_string();
+        let limits = std::fs::read_to_string(format!("/proc/{pid}/limits")).unwrap();
+        let line = limits.lines().find(|line| line.starts_with("Max core file size")).unwrap();
+        let mut words = line.split_whitespace().skip(4).map(str::to_owned);
+        (words.next().unwrap(), words.next().unwrap())
+    };
+    assert_eq!(limit(&Daemon::start(&[])).0, "0");
+    let (soft, hard) = limit(&Home::new().configured("[crashes]\ncore = true\n").start(&[]));
+    assert_eq!(soft, hard);
+}
