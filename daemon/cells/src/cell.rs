@@ -283,6 +283,9 @@ impl Cell {
             tracing::error!("cell {}: {error}; it starts with nothing", self.name);
             genom_configuration::Deployment::default()
         });
+        if end.is_failure() {
+            self.setup.failed(&held);
+        }
         let lost: Vec<String> = held.component.iter().map(|one| one.instance()).collect();
         let kept = journal::kept(held, end.is_failure());
         let names: Vec<String> = kept.component.iter().map(|one| one.instance()).collect();

@@ -2,9 +2,9 @@
 
 use std::fs;
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use genom_configuration::{CellSettings, Config};
+use genom_configuration::{CellSettings, Config, Deployment, Reaction};
 use genom_protocol::Change;
 use serde_json::Value;
 
@@ -44,11 +44,33 @@ pub enum Told {
     Log(Value),
     /// What became of a cell.
     Cell(Change),
+    /// A component failed, and something is to be done for that.
+    Failed(Failure),
+}
+
+/// A component failed.
+#[derive(Clone, Debug)]
+pub struct Failure {
+    /// Its instance name.
+    pub component: String,
+    /// What is to be done.
+    pub reactions: Vec<Reaction>,
+    /// When the end of its process was seen.
+    pub seen: Instant,
 }
 
 impl Setup {
     pub(crate) fn tell(&self, told: Told) {
         (self.hears)(told);
+    }
+
+    /// A process ended by a fault: tells what is to be done for the components that it held.
+    pub(crate) fn failed(&self, held: &Deployment) {
+        let seen = Instant::now();
+        for component in held.component.iter().filter(|one| !one.on_failure.is_empty()) {
+            let (component, reactions) = (component.instance(), component.on_failure.clone());
+            self.tell(Told::Failed(Failure { component, reactions, seen }));
+        }
     }
 
     /// Writes how a cell is to run: as the daemon, but with a socket of its own, and with what

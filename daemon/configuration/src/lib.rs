@@ -23,8 +23,8 @@ pub use error::{
 };
 pub use file::{Config, MemoryCheck, Telemetry};
 pub use genom_protocol::{
-    BackendNames, CallEntry, ClockKind, ConnectionEntry, Deployment, ExecutionKind, LoadRequest,
-    PortQos, QosEntry, Right, TaskEntry,
+    Act, BackendNames, CallEntry, ClockKind, ConnectionEntry, Deed, Deployment, ExecutionKind,
+    LoadRequest, PortQos, QosEntry, Reaction, Right, TaskEntry,
 };
 pub use offers::Offers;
 pub use rpc::{Rpc, RpcSettings, Tls};

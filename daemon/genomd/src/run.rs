@@ -18,9 +18,10 @@ use genom_supervisor::Supervisor;
 use genom_supervisor::deploy::ApplyError;
 use genom_supervisor::deploy::Step;
 use genom_supervisor::limits;
-use genom_supervisor::loading::LoadError;
+use genom_supervisor::loading::{LoadError, check_reactions};
 use genom_systemd::heartbeat;
 use tokio::runtime::Handle;
+use tokio::task::block_in_place;
 
 use crate::announcements;
 use crate::daemon::Daemon;
@@ -258,6 +259,12 @@ const SPARE: Duration = Duration::from_secs(10);
 /// the remaining steps of the deployment.
 async fn load_all(daemon: &Daemon, settings: &Settings) -> Result<Vec<Step>, Refusal> {
     let (supervisor, startup) = (&daemon.supervisor, &daemon.startup);
+    if daemon.own_cell.is_none() {
+        // Cells that a daemon before this one left hold more than the file says.
+        let runs = |name: &str| daemon.cells.of(name).is_some();
+        block_in_place(|| check_reactions(&supervisor.settings, &settings.deployment, runs))
+            .map_err(|(place, error)| Refusal::usage(told(settings, &place, &error)))?;
+    }
     let steps = supervisor
         .steps_to(&settings.deployment, false)
         .map(|steps| steps.to_take)
@@ -396,7 +403,7 @@ async fn deploy_in_cells(daemon: &Daemon, settings: &Settings) -> Result<(), Ref
 }
 
 /// The message, preceded by file, line and key if these are known.
-fn told(settings: &Settings, place: &Spot, error: &impl std::fmt::Display) -> String {
+pub(crate) fn told(settings: &Settings, place: &Spot, error: &impl std::fmt::Display) -> String {
     let message = error.to_string();
     // Formatted diagnostics of a description name their own file.
     let file = settings.file.as_ref().filter(|_| !message.starts_with("error"));

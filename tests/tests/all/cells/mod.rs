@@ -6,6 +6,7 @@ mod ended;
 mod joined;
 mod life;
 mod refused;
+mod safe_state;
 
 use std::path::PathBuf;
 

@@ -114,7 +114,8 @@ const FLOORS: &[(&str, &str)] = &[
     ),
     (
         "cells",
-        "end policy place journal client follow process setup cell asking cells merge record wire own lib",
+        "end policy place journal client follow process setup cell asking cells react merge record wire \
+         own lib",
     ),
     (
         "genomd",
