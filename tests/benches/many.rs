@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use genom_tests::{Footprint, Home, Many, Running, repository, request};
+use genom_tests::{Footprint, Home, Many, Running, release, request};
 
 /// Number of requests of each kind.
 const REQUESTS: usize = 200;
@@ -43,24 +43,6 @@ fn main() {
             measure(&genomd, backend, components);
         }
     }
-}
-
-/// Path of the release build of the daemon.
-fn release() -> PathBuf {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let mut command = Command::new(cargo);
-    command.current_dir(repository()).args([
-        "build",
-        "--release",
-        "-p",
-        "genomd",
-        "-p",
-        "genomctl",
-    ]);
-    assert!(command.status().expect("cargo runs").success(), "genomd does not build");
-    let target =
-        std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| "target".into(), PathBuf::from);
-    repository().join(target).join("release/genomd")
 }
 
 fn measure(genomd: &PathBuf, backend: &str, components: usize) {

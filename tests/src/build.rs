@@ -98,3 +98,25 @@ pub fn fixture(folder: &str, name: &str, into: &Path) -> String {
 pub fn path(path: &Path) -> &str {
     path.to_str().expect("UTF-8")
 }
+
+/// Path of a release build of the daemon, as users build it, for benchmarks.
+///
+/// # Panics
+/// It does not build.
+#[must_use]
+pub fn release() -> PathBuf {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let mut command = Command::new(cargo);
+    command.current_dir(repository()).args([
+        "build",
+        "--release",
+        "-p",
+        "genomd",
+        "-p",
+        "genomctl",
+    ]);
+    assert!(command.status().expect("cargo runs").success(), "genomd does not build");
+    let target =
+        std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| "target".into(), PathBuf::from);
+    repository().join(target).join("release/genomd")
+}

@@ -25,7 +25,7 @@ mod transcript;
 pub mod trial;
 mod until;
 
-pub use build::{component, files, fixture, path, program, repository};
+pub use build::{component, files, fixture, path, program, release, repository};
 pub use command::{Finished, Running, WATCHDOG};
 pub use counts::{Counts, step};
 pub use daemon::{Daemon, Home, Memory};

@@ -3,17 +3,13 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use genom_protocol::routes::{self, Route};
+use genom_protocol::routes;
 use genom_protocol::{CellState, Change, ReadyParameters};
-use hyper::body::{Body, Incoming};
-use hyper::{Request, Response};
 use rustix::process::Signal;
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 use tokio::sync::watch;
 use tokio::time::{sleep, timeout};
 
-use crate::client::{AskError, Client};
+use crate::client::Client;
 use crate::end::End;
 use crate::follow::Events;
 use crate::journal;
@@ -129,6 +125,10 @@ impl Cell {
         self.with(|state| state.components.iter().any(|one| one == component))
     }
 
+    pub(crate) fn client(&self) -> &Client {
+        &self.client
+    }
+
     pub(crate) fn place(&self) -> &Place {
         &self.place
     }
@@ -185,48 +185,11 @@ impl Cell {
         Down { cell: self.name.clone(), state, last_end }
     }
 
-    /// Passes a request on as it is, and its response back.
-    ///
-    /// # Errors
-    /// The cell is down, or its process ended before it had answered.
-    pub async fn forward<B>(&self, request: Request<B>) -> Result<Response<Incoming>, Down>
-    where
-        B: Body + Send + Unpin + 'static,
-        B::Data: Send,
-        B::Error: Into<Box<dyn std::error::Error + Send + Sync>>,
-    {
-        self.answers().await?;
-        match self.client.send(request).await {
-            Ok(response) => Ok(response),
-            Err(_) => Err(self.lost().await),
-        }
-    }
-
     /// A connection broke: its process ended, which may be noticed a moment later.
-    async fn lost(&self) -> Down {
+    pub(crate) async fn lost(&self) -> Down {
         let mut phase = self.phase.subscribe();
         let _ = timeout(NOTICE, phase.wait_for(|phase| *phase != CellState::Running)).await;
         self.down()
-    }
-
-    /// Asks a route that takes no body.
-    ///
-    /// # Errors
-    /// It does not answer, or refuses.
-    pub async fn ask<R: DeserializeOwned, Q>(&self, route: &Route<R, Q>) -> Result<R, AskError> {
-        self.client.ask(route).await
-    }
-
-    /// Asks a route with a body.
-    ///
-    /// # Errors
-    /// It does not answer, or refuses.
-    pub async fn tell<R: DeserializeOwned, Q, B: Serialize>(
-        &self,
-        route: &Route<R, Q, B>,
-        body: &B,
-    ) -> Result<R, AskError> {
-        self.client.tell(route, body).await
     }
 
     /// Ends its process, if it has one, as a fault would, and waits until the next one answers.

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use genom_protocol::{Component, LoadRequest, Unloaded, routes};
 use rustix::process::Signal;
+use tokio::task::JoinSet;
 
 use crate::cell::{Cell, Down};
 use crate::client::{AskError, Client};
@@ -108,6 +109,18 @@ impl Cells {
             return Err(down.into());
         }
         Ok(cell)
+    }
+
+    /// Starts those of these cells that are not there, side by side: most of the time of a start
+    /// goes by in the new process.
+    pub async fn open_all(self: &Arc<Self>, names: impl IntoIterator<Item = &str>) {
+        let mut opening = JoinSet::new();
+        for name in names {
+            let (cells, name) = (Arc::clone(self), name.to_owned());
+            // Whoever loads into one that does not start is told why.
+            opening.spawn(async move { cells.open(&name).await.map(drop) });
+        }
+        opening.join_all().await;
     }
 
     fn begin(&self, name: &str, place: Place, found: Option<Process>) -> Arc<Cell> {

@@ -90,6 +90,23 @@ impl Client {
         self.send(request.map_err(|error| AskError::Misread(error.to_string()))?).await
     }
 
+    /// Asks a route that answers with bytes. One that takes no body ignores what it gets.
+    pub(crate) async fn stream<Q, B: Serialize>(
+        &self,
+        route: &Route<routes::Bytes, Q, B>,
+        body: &B,
+    ) -> Result<Incoming, AskError> {
+        let body =
+            serde_json::to_vec(body).map_err(|error| AskError::Misread(error.to_string()))?;
+        let request = self.request(route.method, &route.path).body(Full::new(body.into()));
+        let request = request.map_err(|error| AskError::Misread(error.to_string()))?;
+        let response = self.send::<Full<Bytes>>(request).await?;
+        match response.status().is_success() {
+            true => Ok(response.into_body()),
+            false => Err(refusal(response).await),
+        }
+    }
+
     fn request(&self, method: routes::Method, path: &str) -> hyper::http::request::Builder {
         Request::builder()
             .method(match method {
@@ -113,13 +130,23 @@ impl Client {
         let request = self.request(method, path).body(Full::new(body));
         let response = self.send(request.map_err(|error| misread(&error))?).await?;
         let status = response.status();
+        if !status.is_success() {
+            return Err(refusal(response).await);
+        }
         let bytes = response.into_body().collect().await.map_err(gone)?.to_bytes();
-        if status.is_success() {
-            return serde_json::from_slice(&bytes).map_err(|error| misread(&error));
-        }
-        match serde_json::from_slice::<Refusal>(&bytes) {
-            Ok(refusal) => Err(AskError::Refused(status.as_u16(), Box::new(refusal.error))),
-            Err(error) => Err(misread(&error)),
-        }
+        serde_json::from_slice(&bytes).map_err(|error| misread(&error))
+    }
+}
+
+/// Why a request was refused.
+async fn refusal(response: Response<Incoming>) -> AskError {
+    let status = response.status().as_u16();
+    let bytes = match response.into_body().collect().await {
+        Ok(body) => body.to_bytes(),
+        Err(error) => return gone(error),
+    };
+    match serde_json::from_slice::<Refusal>(&bytes) {
+        Ok(refusal) => AskError::Refused(status, Box::new(refusal.error)),
+        Err(error) => AskError::Misread(format!("status {status}: {error}")),
     }
 }

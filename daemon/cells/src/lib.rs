@@ -12,6 +12,7 @@
 
 #![forbid(unsafe_code)]
 
+mod asking;
 mod cell;
 mod cells;
 mod client;
@@ -23,6 +24,7 @@ pub mod own;
 pub mod place;
 pub mod policy;
 mod process;
+pub mod record;
 mod setup;
 mod wire;
 

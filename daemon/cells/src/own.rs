@@ -6,6 +6,7 @@ use std::io;
 use std::os::fd::OwnedFd;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use crate::journal;
 use genom_configuration::{BackendNames, ConfigError, Deployment, LoadRequest, WithoutDaemon};
@@ -14,6 +15,9 @@ use genom_supervisor::Supervisor;
 use genom_supervisor::bus::Heard;
 use tokio::io::AsyncReadExt as _;
 use tokio::net::unix::pipe;
+
+/// Changes within this time are written down together.
+const TOGETHER: Duration = Duration::from_millis(20);
 
 /// This process is a cell.
 #[derive(Debug)]
@@ -70,6 +74,12 @@ impl OwnCell {
                 }
             };
             if matters {
+                // Many changes come together, and requests have written theirs already.
+                tokio::time::sleep(TOGETHER).await;
+                while tokio::time::timeout(Duration::ZERO, changes.next())
+                    .await
+                    .is_ok_and(|one| one.is_some())
+                {}
                 let (own, supervisor) = (Arc::clone(&self), Arc::clone(&supervisor));
                 let all_there = all_there();
                 let writing =

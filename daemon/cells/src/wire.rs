@@ -48,10 +48,11 @@ impl Cells {
     /// # Errors
     /// The first that could not be loaded, or that runs elsewhere in this daemon.
     pub async fn load_missing<'a>(
-        &self,
+        self: &Arc<Self>,
         supervisor: &Supervisor,
         whole: &'a Deployment,
     ) -> Result<(), (&'a LoadRequest, OpenError)> {
+        self.open_all(whole.cells()).await;
         for request in &whole.component {
             let Some(cell) = request.cell.as_deref() else { continue };
             let name = request.instance();
@@ -67,7 +68,10 @@ impl Cells {
                 Some(place) => Err(OpenError::Elsewhere { name, place }),
                 None => self.load(cell, request).await.map(drop),
             };
-            loaded.map_err(|error| (request, error))?;
+            if let Err(error) = loaded {
+                self.end_empty().await;
+                return Err((request, error));
+            }
         }
         Ok(())
     }

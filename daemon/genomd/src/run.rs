@@ -269,6 +269,9 @@ async fn load_all(daemon: &Daemon, settings: &Settings) -> Result<Vec<Step>, Ref
         _ => None,
     });
     startup.begins(names.collect());
+    if daemon.own_cell.is_none() {
+        daemon.cells.open_all(settings.deployment.cells()).await;
+    }
     let longest = supervisor.settings.start_timeout.max(settings.cells.ready_timeout);
     for step in loads {
         let Step::Load(request) = step else { continue };

@@ -6,6 +6,8 @@ use std::sync::Arc;
 use axum::extract::State;
 use axum::http::header;
 use axum::response::IntoResponse;
+use genom_cells::Cells;
+use genom_protocol::{CellState, routes};
 use genom_runtime::Durations;
 use genom_supervisor::Supervisor;
 use genom_supervisor::components::Hosted;
@@ -19,7 +21,10 @@ use crate::rpc::ports;
     tag = "statistics",
     responses((status = 200, content_type = "text/plain", body = String))
 )]
-pub(crate) async fn text(State(supervisor): State<Arc<Supervisor>>) -> impl IntoResponse {
+pub(crate) async fn text(
+    State(supervisor): State<Arc<Supervisor>>,
+    State(cells): State<Arc<Cells>>,
+) -> impl IntoResponse {
     let mut page = Page::default();
     for hosted in supervisor.components.all() {
         describe(&mut page, &hosted);
@@ -31,6 +36,17 @@ pub(crate) async fn text(State(supervisor): State<Arc<Supervisor>>) -> impl Into
             let labels = [("backend", open.name()), ("why", refused.why)];
             let help = "Messages of peers that would have harmed, and were refused.";
             page.add("genom_refused_total", COUNTER, help, &labels, count(refused.count));
+        }
+    }
+    for cell in cells.all() {
+        let told = cell.told();
+        let labels = [("cell", told.name.as_str())];
+        let up = u8::from(told.state == CellState::Running);
+        page.add("genom_cell_up", GAUGE, "Whether a cell runs.", &labels, f64::from(up));
+        let help = "Processes of a cell that were started.";
+        page.add("genom_cell_starts_total", COUNTER, help, &labels, count(told.starts));
+        if let Ok(theirs) = cell.text(&routes::metrics()).await {
+            page.join(&told.name, &theirs);
         }
     }
     ([(header::CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], page.text())
@@ -127,6 +143,31 @@ impl Page {
             .or_insert_with(|| format!("# HELP {name} {help}\n# TYPE {name} {kind}\n"))
     }
 
+    /// Adds the page of a cell: each sample with the cell as its first label.
+    fn join(&mut self, cell: &str, page: &str) {
+        let mut family = String::new();
+        for line in page.lines() {
+            if let Some(about) = line.strip_prefix("# HELP ") {
+                family = about.split(' ').next().unwrap_or_default().to_owned();
+            }
+            let known = self.families.contains_key(&family);
+            if line.starts_with("# HELP ") && !known {
+                self.families.insert(family.clone(), format!("{line}\n"));
+            } else if line.starts_with("# TYPE ") {
+                let text = self.families.entry(family.clone()).or_default();
+                if text.lines().count() == 1 {
+                    text.push_str(&format!("{line}\n"));
+                }
+            } else if !line.starts_with('#') {
+                let labelled = match line.split_once('{') {
+                    Some((name, rest)) => format!("{name}{{cell=\"{cell}\",{rest}\n"),
+                    None => line.replacen(' ', &format!("{{cell=\"{cell}\"}} "), 1) + "\n",
+                };
+                self.families.entry(family.clone()).or_default().push_str(&labelled);
+            }
+        }
+    }
+
     fn text(self) -> String {
         self.families.into_values().collect()
     }
@@ -144,6 +185,19 @@ fn sample(out: &mut String, name: &str, labels: &[(&str, &str)], value: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pages_of_cells_are_joined_by_name_with_the_cell_as_a_label() {
+        let mut page = Page::default();
+        page.add("a_total", COUNTER, "A.", &[("x", "one")], 1.0);
+        let mut far = Page::default();
+        far.add("a_total", COUNTER, "A.", &[("x", "two")], 2.0);
+        far.add("b", GAUGE, "B.", &[], 0.5);
+        page.join("arm", &far.text());
+        let text = "# HELP a_total A.\n# TYPE a_total counter\na_total{x=\"one\"} 1\n\
+            a_total{cell=\"arm\",x=\"two\"} 2\n# HELP b B.\n# TYPE b gauge\nb{cell=\"arm\"} 0.5\n";
+        assert_eq!(page.text(), text);
+    }
 
     #[test]
     fn samples_of_one_name_stand_together_and_labels_are_escaped() {

@@ -8,6 +8,7 @@ use axum::extract::{Path, State};
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::{Extension, Json};
+use genom_cells::Cells;
 use genom_doors::{Body, Holder, RpcError, Streams};
 use genom_protocol::address::NoAddress;
 use genom_protocol::frames::Start;
@@ -17,7 +18,7 @@ use tokio::sync::mpsc;
 use tokio_stream::StreamExt as _;
 use tokio_stream::wrappers::ReceiverStream;
 
-use crate::rpc::{clock, components, ports};
+use crate::rpc::{self, clock, components, ports};
 
 /// Maximum number of batches that wait to be sent.
 const WAITING: usize = 4;
@@ -39,6 +40,7 @@ const WAITING: usize = 4;
 pub(crate) async fn start(
     State(supervisor): State<Arc<Supervisor>>,
     State(streams): State<Streams>,
+    State(cells): State<Arc<Cells>>,
     Extension(holder): Extension<Holder>,
     Body(wanted): Body<RecordingRequest>,
 ) -> Result<Response, RpcError> {
@@ -47,9 +49,12 @@ pub(crate) async fn start(
             .parse()
             .map_err(|error: NoAddress| RpcError::bad_input(error.to_string()).place("/ports"))?;
         match subject {
+            Subject::Component(name) if cells.of(&name).is_some() => {}
             Subject::Component(name) => {
                 components::find(&supervisor.components, &name)?;
             }
+            // A cell itself refuses a port that it has not.
+            Subject::Port(address) if cells.of(&address.component).is_some() => {}
             Subject::Port(address) => {
                 let hosted = components::find(&supervisor.components, &address.component)?;
                 ports::find(&hosted, &address.port)?;
@@ -57,7 +62,12 @@ pub(crate) async fn start(
         }
     }
     let slot = streams.slot(&holder)?;
-    let (sender, receiver) = mpsc::channel(WAITING);
+    let in_cells = cells.record(&wanted).await.map_err(rpc::cells::refused)?;
+    let (sender, mut receiver) = mpsc::channel(WAITING);
+    if !in_cells.is_empty() {
+        let (merged, all) = mpsc::channel(WAITING);
+        tokio::spawn(in_cells.merge(std::mem::replace(&mut receiver, all), merged));
+    }
     tokio::task::spawn_blocking(move || {
         let changes = supervisor.bus.live();
         let session = supervisor.record(wanted.ports);

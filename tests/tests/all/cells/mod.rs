@@ -3,6 +3,7 @@
 mod adopted;
 mod deployed;
 mod ended;
+mod joined;
 mod life;
 mod refused;
 

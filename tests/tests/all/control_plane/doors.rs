@@ -103,6 +103,9 @@ fn each_token_opens_the_routes_and_services_of_its_rights_and_no_others() {
         let nobody = status(&address, line, "nobody") == 401;
         assert_eq!(nobody, !needed.is_empty(), "{line} by nobody");
     };
+    // A cell takes whatever comes through its daemon, which checks the rights for it.
+    let library = component("demo").library;
+    daemon.ctl(&["load", path(&library), "--name", "far", "--isolated"]).expect_code(0);
     let described = request(&daemon.home().socket(), "GET", "/components/demo", "").body;
     let has = |name: &str| {
         described["services"].as_array().unwrap().iter().any(|service| service["name"] == name)
@@ -111,8 +114,10 @@ fn each_token_opens_the_routes_and_services_of_its_rights_and_no_others() {
     for route in routes::all() {
         for service in route.services.iter().filter(|name| has(name)) {
             // Calling is a right of its own.
-            let line = format!("POST /components/demo/services/{service}");
-            check(&line, &[Right::Call, route.right.unwrap()]);
+            for component in ["demo", "far"] {
+                let line = format!("POST /components/{component}/services/{service}");
+                check(&line, &[Right::Call, route.right.unwrap()]);
+            }
             services += 1;
         }
         let names = route.template.split('/').map(|one| one.trim_start_matches('{'));

@@ -6,7 +6,7 @@ use std::process::Command;
 use genom_components::python;
 use genom_tests::{Daemon, Running, component, connect, path};
 
-fn metrics(daemon: &Daemon) -> String {
+pub(crate) fn metrics(daemon: &Daemon) -> String {
     let mut stream = connect(&daemon.home().socket());
     write!(stream, "GET /metrics HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n").unwrap();
     let mut reply = String::new();

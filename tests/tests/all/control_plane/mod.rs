@@ -7,7 +7,7 @@ mod doors;
 mod frozen;
 mod fuzz;
 mod impostors;
-mod metrics;
+pub(crate) mod metrics;
 mod offers;
 mod partial;
 mod protocol;

@@ -112,7 +112,10 @@ const FLOORS: &[(&str, &str)] = &[
         "error within slots seldom private holder tokens tls listen stall rights input guests streams \
          access guard serve relay lib",
     ),
-    ("cells", "end policy place journal client follow process setup cell cells merge wire own lib"),
+    (
+        "cells",
+        "end policy place journal client follow process setup cell asking cells merge record wire own lib",
+    ),
     (
         "genomd",
         "cli memory announcements startup settings logs daemon rpc signals life run check main",

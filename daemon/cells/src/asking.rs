@@ -1,0 +1,73 @@
+//! Requests to a cell.
+
+use genom_protocol::routes::{self, Route};
+use http_body_util::BodyExt as _;
+use hyper::body::{Body, Incoming};
+use hyper::{Request, Response};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::cell::{Cell, Down};
+use crate::client::AskError;
+
+impl Cell {
+    /// Passes a request on as it is, and its response back.
+    ///
+    /// # Errors
+    /// The cell is down, or its process ended before it had answered.
+    pub async fn forward<B>(&self, request: Request<B>) -> Result<Response<Incoming>, Down>
+    where
+        B: Body + Send + Unpin + 'static,
+        B::Data: Send,
+        B::Error: Into<Box<dyn std::error::Error + Send + Sync>>,
+    {
+        self.answers().await?;
+        match self.client().send(request).await {
+            Ok(response) => Ok(response),
+            Err(_) => Err(self.lost().await),
+        }
+    }
+
+    /// Asks a route that takes no body.
+    ///
+    /// # Errors
+    /// It does not answer, or refuses.
+    pub async fn ask<R: DeserializeOwned, Q>(&self, route: &Route<R, Q>) -> Result<R, AskError> {
+        self.client().ask(route).await
+    }
+
+    /// Asks a route with a body.
+    ///
+    /// # Errors
+    /// It does not answer, or refuses.
+    pub async fn tell<R: DeserializeOwned, Q, B: Serialize>(
+        &self,
+        route: &Route<R, Q, B>,
+        body: &B,
+    ) -> Result<R, AskError> {
+        self.client().tell(route, body).await
+    }
+
+    /// Asks a route that answers with a text.
+    ///
+    /// # Errors
+    /// It does not answer, or refuses.
+    pub async fn text(&self, route: &Route<routes::Bytes>) -> Result<String, AskError> {
+        self.answers().await.map_err(|down| AskError::Gone(down.to_string()))?;
+        let body = self.client().stream(route, &()).await?;
+        let body = body.collect().await.map_err(|error| AskError::Gone(error.to_string()))?;
+        Ok(String::from_utf8_lossy(&body.to_bytes()).into_owned())
+    }
+
+    /// Asks a route that answers with bytes, which come as they are made.
+    ///
+    /// # Errors
+    /// It does not answer, or refuses.
+    pub async fn stream<Q, B: Serialize>(
+        &self,
+        route: &Route<routes::Bytes, Q, B>,
+        body: &B,
+    ) -> Result<Incoming, AskError> {
+        self.client().stream(route, body).await
+    }
+}

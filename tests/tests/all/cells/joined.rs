@@ -1,0 +1,77 @@
+//! What a daemon says of itself and of its cells together: recordings and metrics.
+
+use genom_tests::Daemon;
+
+use super::load;
+use crate::control_plane::metrics::metrics;
+
+#[test]
+fn a_recording_has_what_components_of_cells_write_and_are_asked() {
+    let daemon = Daemon::demo("local");
+    load(&daemon, "demo", &["--name", "far", "--cell", "arm"]);
+    let file = daemon.home().path().join("both.mcap");
+    let recording = daemon.spawn(&["record", "-o", genom_tests::path(&file)]);
+    recording.error_line_where(|line| line.contains("recording to"));
+    for name in ["demo", "far"] {
+        daemon.ctl(&["call", name, "goto", "goal=0.02"]).expect_code(0);
+    }
+    recording.signal("INT");
+    recording.finish().expect_code(0);
+    let mapped = std::fs::read(&file).unwrap();
+    let mut messages = std::collections::BTreeMap::new();
+    let mut calls = Vec::new();
+    for message in mcap::MessageStream::new(&mapped).unwrap() {
+        let message = message.unwrap();
+        let topic = message.channel.topic.clone();
+        if topic == "/genom/calls" {
+            let call: serde_json::Value = serde_json::from_slice(&message.data).unwrap();
+            calls.push(call["component"].as_str().unwrap().to_owned());
+        }
+        *messages.entry(topic).or_insert(0) += 1;
+    }
+    assert!(messages["/demo/position"] > 1 && messages["/far/position"] > 1, "{messages:?}");
+    calls.dedup();
+    assert_eq!(calls, ["demo", "far"], "each asked and answered");
+}
+
+#[test]
+fn a_recording_of_one_component_in_a_cell_has_nothing_of_others() {
+    let daemon = Daemon::demo("local");
+    load(&daemon, "demo", &["--name", "far", "--cell", "arm"]);
+    let file = daemon.home().path().join("far.mcap");
+    let recording = daemon.spawn(&["record", "far/position", "-o", genom_tests::path(&file)]);
+    recording.error_line_where(|line| line.contains("recording to"));
+    for name in ["demo", "far"] {
+        daemon.ctl(&["call", name, "goto", "goal=0.02"]).expect_code(0);
+    }
+    recording.signal("INT");
+    recording.finish().expect_code(0);
+    let mapped = std::fs::read(&file).unwrap();
+    let topics: std::collections::BTreeSet<String> = mcap::MessageStream::new(&mapped)
+        .unwrap()
+        .map(|message| message.unwrap().channel.topic.clone())
+        .collect();
+    assert!(topics.contains("/far/position"), "{topics:?}");
+    assert!(!topics.contains("/demo/position"), "{topics:?}");
+    let refused = daemon.ctl(&["record", "far/nothing", "--force", "-o", genom_tests::path(&file)]);
+    refused.expect_code(1).expect_err("far has no port `nothing`");
+}
+
+#[test]
+fn metrics_name_the_cell_of_a_component_and_how_often_it_started() {
+    let daemon = Daemon::demo("local");
+    load(&daemon, "demo", &["--name", "far", "--cell", "arm"]);
+    let text = metrics(&daemon);
+    for line in [
+        "genom_cell_up{cell=\"arm\"} 1",
+        "genom_cell_starts_total{cell=\"arm\"} 1",
+        "genom_component{component=\"demo\",backend=\"local\"} 1",
+        "genom_component{cell=\"arm\",component=\"far\",backend=\"shm\"} 1",
+    ] {
+        assert!(text.lines().any(|one| one == line), "{line}: {text}");
+    }
+    // Each family is described once (Prometheus refuses a page otherwise).
+    let heads: Vec<_> = text.lines().filter(|line| line.starts_with("# HELP ")).collect();
+    let unique: std::collections::BTreeSet<_> = heads.iter().collect();
+    assert_eq!(heads.len(), unique.len());
+}
