@@ -24,7 +24,9 @@ pub mod own;
 pub mod place;
 pub mod policy;
 mod process;
+mod react;
 pub mod record;
+mod remains;
 mod setup;
 mod wire;
 
@@ -32,4 +34,5 @@ pub use cell::{Cell, Down};
 pub use cells::{Cells, OpenError};
 pub use client::AskError;
 pub use own::OwnCell;
-pub use setup::{Setup, Told};
+pub use react::react;
+pub use setup::{Failure, Setup, Told};

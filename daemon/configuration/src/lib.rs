@@ -10,6 +10,7 @@ mod cells;
 mod error;
 mod file;
 pub mod levels;
+mod limits;
 mod offers;
 mod overrides;
 pub mod place;
@@ -23,9 +24,10 @@ pub use error::{
 };
 pub use file::{Config, MemoryCheck, Telemetry};
 pub use genom_protocol::{
-    BackendNames, CallEntry, ClockKind, ConnectionEntry, Deployment, LoadRequest, PortQos,
-    QosEntry, Right, TaskEntry,
+    Act, BackendNames, CallEntry, ClockKind, ConnectionEntry, Deed, Deployment, LoadRequest,
+    PortQos, QosEntry, Reaction, Right, TaskEntry,
 };
+pub use limits::CellLimits;
 pub use offers::Offers;
 pub use rpc::{Rpc, RpcSettings, Tls};
 pub use spot::Spot;

@@ -4,9 +4,9 @@
 
 use std::io::Write as _;
 
-use genom_supervisor::loading::{self, LoadError};
+use genom_supervisor::loading::{self, LoadError, check_reactions};
 
-use crate::run::Refusal;
+use crate::run::{Refusal, told};
 use crate::settings::Settings;
 
 /// Checks every component of the command line and configuration, and reports each that fails.
@@ -24,6 +24,10 @@ pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
             Err(error) => Some(error),
         }
     });
-    let refused: Vec<String> = refused.map(|error: LoadError| error.to_string()).collect();
+    let mut refused: Vec<String> = refused.map(|error: LoadError| error.to_string()).collect();
+    let reactions = check_reactions(&settings.supervisor, &settings.deployment, |_| false);
+    if let Err((place, error)) = reactions {
+        refused.push(told(&settings, &place, &error));
+    }
     if refused.is_empty() { Ok(()) } else { Err(Refusal::component(refused.join("\n"))) }
 }

@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use genom_cells::{Cells, Setup, Told};
+use genom_cells::{Cells, Failure, Setup, Told, react};
 use genom_configuration::RpcSettings;
 use genom_doors::{Slots, Streams};
 use genom_supervisor::Supervisor;
 use genom_systemd::Manager;
+use tokio::sync::mpsc::{UnboundedSender, unbounded_channel};
 use tokio_util::sync::CancellationToken;
 
 use crate::announcements::Announcements;
@@ -50,7 +51,10 @@ impl Daemon {
     pub(crate) fn new(settings: &Settings) -> Arc<Self> {
         let (rpc, closed) = (settings.rpc.clone(), CancellationToken::new());
         let supervisor = Supervisor::new(settings.supervisor.clone());
-        let cells = Arc::new(cells(settings, &supervisor));
+        let (failures, failed) = unbounded_channel();
+        let cells = Arc::new(cells(settings, &supervisor, failures));
+        let reacting = react(Arc::downgrade(&cells), Arc::clone(&supervisor), failed);
+        tokio::spawn(reacting);
         let known = Arc::clone(&cells);
         supervisor.connections.look_elsewhere(move |name| known.of(name).is_some());
         Arc::new(Self {
@@ -70,7 +74,11 @@ impl Daemon {
 }
 
 /// The cells there may be; what they tell is told on.
-fn cells(settings: &Settings, supervisor: &Supervisor) -> Cells {
+fn cells(
+    settings: &Settings,
+    supervisor: &Supervisor,
+    failures: UnboundedSender<Failure>,
+) -> Cells {
     let bus = Arc::clone(&supervisor.bus);
     Cells::new(Setup {
         // Also when the file was replaced by a newer one since.
@@ -83,6 +91,8 @@ fn cells(settings: &Settings, supervisor: &Supervisor) -> Cells {
             Told::Change(change) => bus.tell_on(&change),
             Told::Log(entry) => logs::past().add(&entry),
             Told::Cell(change) => bus.tell(&change),
+            // Nobody listens any more when the daemon ends.
+            Told::Failed(failure) => drop(failures.send(failure)),
         }),
     })
 }

@@ -18,9 +18,10 @@ use genom_supervisor::Supervisor;
 use genom_supervisor::deploy::ApplyError;
 use genom_supervisor::deploy::Step;
 use genom_supervisor::limits;
-use genom_supervisor::loading::LoadError;
+use genom_supervisor::loading::{LoadError, check_reactions};
 use genom_systemd::heartbeat;
 use tokio::runtime::Handle;
+use tokio::task::block_in_place;
 
 use crate::announcements;
 use crate::daemon::Daemon;
@@ -57,6 +58,11 @@ impl Refusal {
     /// Status 4: it stopped, but a component was left behind.
     fn left_behind(message: String) -> Self {
         Self { message, status: 4 }
+    }
+
+    /// What it says.
+    pub(crate) fn message(&self) -> &str {
+        &self.message
     }
 
     /// Prints the message on standard error.
@@ -137,6 +143,10 @@ fn announce(daemon: &Arc<Daemon>, tokens: &Arc<Tokens>, log: Arc<Log>) {
 async fn live(mut settings: Settings) -> Result<(), Refusal> {
     let signals = Signals::take(settings.keep).map_err(Refusal::own)?;
     let socket = Socket::open(&settings.rpc.socket, own).map_err(Refusal::own)?;
+    if settings.own_cell.is_some() {
+        // Its own socket is open; others would be those of daemons.
+        genom_limits::close_doors(&settings.config.cells.limits).map_err(Refusal::own)?;
+    }
     let tokens = Tokens::read(settings.rpc.token_file.as_deref()).map_err(Refusal::usage)?;
     let log = Arc::new(Log::default());
     let tcp = match settings.rpc.listen {
@@ -258,6 +268,12 @@ const SPARE: Duration = Duration::from_secs(10);
 /// the remaining steps of the deployment.
 async fn load_all(daemon: &Daemon, settings: &Settings) -> Result<Vec<Step>, Refusal> {
     let (supervisor, startup) = (&daemon.supervisor, &daemon.startup);
+    if daemon.own_cell.is_none() {
+        // Cells that a daemon before this one left hold more than the file says.
+        let runs = |name: &str| daemon.cells.of(name).is_some();
+        block_in_place(|| check_reactions(&supervisor.settings, &settings.deployment, runs))
+            .map_err(|(place, error)| Refusal::usage(told(settings, &place, &error)))?;
+    }
     let steps = supervisor
         .steps_to(&settings.deployment, false)
         .map(|steps| steps.to_take)
@@ -270,7 +286,7 @@ async fn load_all(daemon: &Daemon, settings: &Settings) -> Result<Vec<Step>, Ref
     });
     startup.begins(names.collect());
     if daemon.own_cell.is_none() {
-        daemon.cells.open_all(settings.deployment.cells()).await;
+        daemon.cells.open_all(&settings.deployment.component).await;
     }
     let longest = supervisor.settings.start_timeout.max(settings.cells.ready_timeout);
     for step in loads {
@@ -396,7 +412,7 @@ async fn deploy_in_cells(daemon: &Daemon, settings: &Settings) -> Result<(), Ref
 }
 
 /// The message, preceded by file, line and key if these are known.
-fn told(settings: &Settings, place: &Spot, error: &impl std::fmt::Display) -> String {
+pub(crate) fn told(settings: &Settings, place: &Spot, error: &impl std::fmt::Display) -> String {
     let message = error.to_string();
     // Formatted diagnostics of a description name their own file.
     let file = settings.file.as_ref().filter(|_| !message.starts_with("error"));

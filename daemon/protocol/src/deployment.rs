@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Deserializer, Serialize, de};
 use serde_json::{Map, Value};
 
+use crate::on_failure::{is_empty, no_inputs};
 use crate::{Address, LoadRequest, Place, Policy, is_false};
 
 /// A connection to make, and to make again whenever one side comes back: an in port reads an out
@@ -130,14 +131,6 @@ impl std::fmt::Display for ConnectionEntry {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} to {}", self.inport, self.outport)
     }
-}
-
-fn no_inputs() -> Value {
-    Value::Object(Map::new())
-}
-
-fn is_empty(inputs: &Value) -> bool {
-    inputs.as_object().is_some_and(Map::is_empty)
 }
 
 fn inport<'de, D: Deserializer<'de>>(from: D) -> Result<String, D::Error> {

@@ -112,6 +112,16 @@ pub enum Change {
     CellRuns { cell: String, pid: u32, adopted: bool },
     /// The process of a cell ended without being asked to; it is started again when `restarts`.
     CellEnded { cell: String, why: String, components: Vec<String>, restarts: bool },
+    /// Something was done since a component failed (`on_failure`), or could not be done. `seconds`
+    /// from the moment that the end of its process was seen until the service had ended, the
+    /// activity was accepted or the event was fired.
+    FailureReaction {
+        component: String,
+        reaction: String,
+        seconds: f64,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        error: Option<String>,
+    },
     /// The daemon is stopping.
     Stopping {},
 }

@@ -43,6 +43,7 @@ pub mod frames;
 mod load;
 mod logs;
 mod middlewares;
+mod on_failure;
 #[cfg(feature = "openapi")]
 pub mod openapi;
 mod outcome;
@@ -90,6 +91,7 @@ pub use middlewares::{
     Capabilities, Endpoint, EndpointKind, Middleware, MiddlewareParameters, Middlewares, Refused,
     Stranger,
 };
+pub use on_failure::{Act, Deed, NoReaction, Reaction};
 pub use outcome::Outcome;
 pub use policy::{NoPolicy, Policy};
 pub use port_type::{MessageType, PortType};

@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::{BackendNames, QosEntry, RestartPolicy};
+use crate::on_failure::one_or_several;
+use crate::{BackendNames, QosEntry, Reaction, RestartPolicy};
 
 /// A component to load.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
@@ -43,6 +44,9 @@ pub struct LoadRequest {
     /// Whether it is brought up again when the process of its cell has ended.
     #[serde(default, skip_serializing_if = "RestartPolicy::is_default")]
     pub restart: RestartPolicy,
+    /// What is done of other components when it fails: when the process of its cell ends by a fault.
+    #[serde(default, deserialize_with = "one_or_several", skip_serializing_if = "Vec::is_empty")]
+    pub on_failure: Vec<Reaction>,
     /// Quality of service of its ports.
     #[serde(default, skip_serializing_if = "QosEntry::is_empty")]
     pub qos: QosEntry,

@@ -13,7 +13,9 @@ use genom_doors::{Body, Holder, RpcError};
 use genom_protocol::{Applied, Code, DeploymentRequest, Dumped, RunningDeployment};
 use genom_supervisor::Supervisor;
 use genom_supervisor::deploy::{ApplyError, Contradiction, Step, StepError, Steps};
+use genom_supervisor::loading::check_reactions;
 use serde_json::{Map, Value};
+use tokio::task::block_in_place;
 
 use crate::daemon::Daemon;
 use crate::rpc::cells;
@@ -81,6 +83,16 @@ pub(crate) async fn apply(
         deployment.component.iter_mut().for_each(own_cell::share);
     }
     let front = daemon.own_cell.is_none();
+    if front {
+        let runs = |name: &str| {
+            supervisor.components.get(name).is_some() || daemon.cells.of(name).is_some()
+        };
+        let checked = block_in_place(|| check_reactions(&supervisor.settings, &whole, runs));
+        checked.map_err(|(place, error)| {
+            RpcError::conflict(Code::NoPlan, placed(&place, &wanted, &error))
+                .help("nothing was changed")
+        })?;
+    }
     if front && !wanted.dry_run {
         let loading = daemon.cells.load_missing(&supervisor, &whole).await;
         loading.map_err(|(request, error)| {

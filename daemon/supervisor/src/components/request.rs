@@ -10,6 +10,7 @@ use super::activities::Activity;
 use super::hosted::{Answer, Hosted};
 use super::input::{InputError, Rest};
 use super::running::Components;
+use crate::bus::{Bus, Change};
 use crate::outcome::Outcome;
 
 /// Why a request was refused.
@@ -50,6 +51,22 @@ pub fn send_to(hosted: &Hosted, entry: &CallEntry) -> Result<Option<u64>, Reques
             }
         },
     }
+}
+
+/// Fires an external event.
+pub fn fire(all: &Components, bus: &Bus, name: &str, event: &str) -> Result<(), RequestError> {
+    let Some(hosted) = all.get(name) else {
+        return Err(RequestError::new(&["component"], format!("{name} does not run")));
+    };
+    let sinks = &hosted.model().sinks;
+    let Some(index) = sinks.iter().position(|sink| sink.name == event) else {
+        let help = suggest(event, sinks.iter().map(|sink| sink.name.as_str()));
+        let why = format!("{name} has no event `{event}`; {help}");
+        return Err(RequestError::new(&["event"], why));
+    };
+    hosted.fire(index);
+    bus.tell(&Change::EventFired { component: name.to_owned(), name: event.to_owned() });
+    Ok(())
 }
 
 impl Hosted {

@@ -234,6 +234,8 @@ fn adapt(
         Some("other settings of tasks")
     } else if hosted.request.qos != request.qos {
         Some("another quality of service of ports")
+    } else if hosted.request.on_failure != request.on_failure {
+        Some("other things to do when it fails")
     } else {
         None
     };

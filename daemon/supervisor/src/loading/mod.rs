@@ -4,6 +4,7 @@
 mod built;
 mod error;
 pub(crate) mod locate;
+mod reactions;
 mod standard;
 mod start;
 mod undefined;
@@ -23,6 +24,7 @@ use crate::known::Reading;
 use crate::settings::Settings;
 use crate::supervisor::Supervisor;
 pub use error::LoadError;
+pub use reactions::{IdleReaction, check_reactions};
 
 impl Supervisor {
     /// Loads a component, starts it and sets its attributes. Blocks for file access and start

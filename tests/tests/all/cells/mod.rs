@@ -5,7 +5,9 @@ mod deployed;
 mod ended;
 mod joined;
 mod life;
+mod limits;
 mod refused;
+mod safe_state;
 
 use std::path::PathBuf;
 

@@ -1,0 +1,97 @@
+//! What is done when components fail (`on_failure`): as soon as the end of their cell is seen, and
+//! before it is started again.
+
+use std::sync::{Arc, Weak};
+
+use genom_configuration::{Act, CallEntry, Deed, Reaction};
+use genom_protocol::{CallReply, Change, Inputs, NoReaction, routes};
+use genom_supervisor::Supervisor;
+use genom_supervisor::components::request::{self, RequestError};
+use tokio::sync::mpsc::UnboundedReceiver;
+use tokio::task::JoinError;
+
+use crate::cell::Down;
+use crate::cells::Cells;
+use crate::client::AskError;
+use crate::setup::Failure;
+
+/// Why something could not be done of another component.
+#[derive(Debug, thiserror::Error)]
+enum ReactError {
+    #[error(transparent)]
+    Reaction(#[from] NoReaction),
+    #[error(transparent)]
+    Request(#[from] RequestError),
+    #[error(transparent)]
+    Down(#[from] Down),
+    #[error(transparent)]
+    Ask(#[from] AskError),
+    #[error("it ended with {0}")]
+    Exception(String),
+    #[error(transparent)]
+    Own(#[from] JoinError),
+}
+
+/// Does what is to be done for each failure, until nobody tells of any. What is to be done for one
+/// failure is done side by side: a service that waits delays no other.
+pub async fn react(
+    cells: Weak<Cells>,
+    supervisor: Arc<Supervisor>,
+    mut failures: UnboundedReceiver<Failure>,
+) {
+    while let Some(failure) = failures.recv().await {
+        for reaction in failure.reactions {
+            let Some(cells) = cells.upgrade() else { return };
+            let (supervisor, component) = (Arc::clone(&supervisor), failure.component.clone());
+            tokio::spawn(async move {
+                let done = perform(&cells, &supervisor, &reaction).await;
+                let seconds = failure.seen.elapsed().as_secs_f64();
+                match &done {
+                    Ok(()) => tracing::warn!(
+                        instance = component,
+                        "on_failure: {reaction}, {:.1} ms after the end",
+                        seconds * 1e3
+                    ),
+                    Err(error) => tracing::error!(
+                        instance = component,
+                        "on_failure: {reaction} was not done: {error}; see that the robot is safe, \
+                         then change [component.on_failure] of {component} or load what it names"
+                    ),
+                }
+                let error = done.err().map(|error| error.to_string());
+                let reaction = reaction.to_string();
+                let told = Change::FailureReaction { component, reaction, seconds, error };
+                supervisor.bus.tell(&told);
+            });
+        }
+    }
+}
+
+/// Until an attribute or a function has ended, or an activity was accepted.
+async fn perform(
+    cells: &Cells,
+    supervisor: &Arc<Supervisor>,
+    reaction: &Reaction,
+) -> Result<(), ReactError> {
+    let Deed { act, component, name } = reaction.deed()?;
+    if let Some(cell) = cells.of(&component) {
+        cell.answers().await?;
+        if act == Act::Fire {
+            cell.ask(&routes::fire(&component, &name)).await?;
+            return Ok(());
+        }
+        let inputs = Inputs(reaction.inputs.clone());
+        let reply: CallReply = cell.tell(&routes::call(&component, &name), &inputs).await?;
+        let exception = reply.outcome().and_then(|outcome| outcome.exception.clone());
+        return exception.map_or(Ok(()), |name| Err(ReactError::Exception(name)));
+    }
+    let (worker, inputs) = (Arc::clone(supervisor), reaction.inputs.clone());
+    let work = move || match act {
+        Act::Fire => request::fire(&worker.components, &worker.bus, &component, &name),
+        Act::Call | Act::Start => {
+            let entry = CallEntry { component, service: name, inputs };
+            request::send(&worker.components, &entry).map(drop)
+        }
+    };
+    Ok(tokio::task::spawn_blocking(work).await??)
+}
