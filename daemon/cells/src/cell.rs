@@ -198,7 +198,7 @@ impl Cell {
     /// It does not start again.
     pub async fn restart(&self) -> Result<(), Down> {
         let pid = self.with(|state| state.pid);
-        if let Some(process) = pid.and_then(|pid| Process::found(pid).ok()) {
+        if let Some(process) = pid.and_then(|pid| Process::found(pid, None).ok()) {
             let mut phase = self.phase.subscribe();
             process.signal(Signal::KILL);
             let _ = phase.wait_for(|phase| *phase != CellState::Running).await;
@@ -251,7 +251,7 @@ impl Cell {
             };
             self.with(|state| {
                 state.pid = None;
-                state.last_end = Some(end.to_string());
+                state.last_end = Some(self.setup.explain(&self.name, &end));
             });
             order.mark_unchanged();
             if self.is_stopping() {
@@ -293,8 +293,11 @@ impl Cell {
             tracing::error!("cell {}: its journal cannot be written: {error}", self.name);
         }
         self.with(|state| state.components.clone_from(&names));
-        let (cell, why) = (self.name.clone(), end.to_string());
-        let delay = if names.is_empty() {
+        let (cell, why) = (self.name.clone(), self.setup.explain(&self.name, end));
+        let delay = if matches!(end, End::Refused(_)) {
+            tracing::error!("cell {cell} does not start: {why}");
+            None
+        } else if names.is_empty() {
             tracing::error!("cell {cell} ended: {why}; nothing in it is to be restarted");
             None
         } else {
@@ -322,7 +325,7 @@ impl Cell {
     async fn start_and_run(&self) -> End {
         self.enter(CellState::Starting);
         self.with(|state| state.starts += 1);
-        let started = match self.setup.write_config(&self.place) {
+        let started = match self.setup.write_config(&self.name, &self.place) {
             Ok(()) => Process::start(&self.setup.program, &self.name, &self.place)
                 .map_err(|error| error.to_string()),
             Err(error) => Err(error.to_string()),
@@ -338,7 +341,7 @@ impl Cell {
         self.with(|state| state.pid = Some(process.pid()));
         let limit = self.setup.settings.ready_timeout;
         tokio::select! {
-            end = process.ended() => return end,
+            end = process.ended() => return self.place.taken_refusal().map_or(end, End::Refused),
             ready = timeout(limit, self.ready()) => if ready.is_err() {
                 return self.kill_for(process, End::NotReady(limit)).await;
             },

@@ -1,6 +1,7 @@
 //! The cells of a daemon, by name.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use genom_protocol::{Component, LoadRequest, Unloaded, routes};
@@ -11,6 +12,7 @@ use crate::cell::{Cell, Down};
 use crate::client::{AskError, Client};
 use crate::place::{self, Place, PlaceError};
 use crate::process::{Process, left};
+use crate::remains;
 use crate::setup::Setup;
 
 /// A cell could not be begun, or a component not be loaded into it.
@@ -81,19 +83,21 @@ impl Cells {
         self.all().into_iter().find(|cell| cell.holds(component))
     }
 
-    /// The cell of this name, running; it is begun when it is not there.
+    /// The cell of this name, running; it is begun when it is not there. One that is begun for a
+    /// library may read the directory of it, whatever its sandbox.
     ///
     /// # Errors
     /// It has no place for its files, or its process does not run.
-    pub async fn open(&self, name: &str) -> Result<Arc<Cell>, OpenError> {
+    pub async fn open(&self, name: &str, library: Option<&Path>) -> Result<Arc<Cell>, OpenError> {
         let found = self.get(name);
         let cell = match found {
             // It is ending: one that begins takes its place.
             Some(cell) if cell.is_stopping() => {
                 cell.ended().await;
-                return Box::pin(self.open(name)).await;
+                return Box::pin(self.open(name, library)).await;
             }
             Some(cell) => {
+                self.grant(name, cell.place(), library);
                 cell.start_again();
                 cell
             }
@@ -101,6 +105,7 @@ impl Cells {
                 let place = Place::new(&place::of_all(&self.setup.socket), name);
                 let place = place.and_then(|place| place.make().map(|()| place));
                 let place = place.map_err(|error| OpenError::Place(Arc::new(error)))?;
+                self.grant(name, &place, library);
                 self.begin(name, place, None)
             }
         };
@@ -111,14 +116,37 @@ impl Cells {
         Ok(cell)
     }
 
-    /// Starts those of these cells that are not there, side by side: most of the time of a start
+    /// Lets a cell in a sandbox read where its library is.
+    fn grant(&self, name: &str, place: &Place, library: Option<&Path>) {
+        let sandbox = || self.setup.config.limits_of(name).is_sandbox();
+        let file = library.filter(|file| file.components().count() > 1 && sandbox());
+        let Some(Ok(file)) = file.map(std::path::absolute) else { return };
+        if let Some(directory) = file.parent()
+            && let Err(error) = place.grant(directory)
+        {
+            tracing::warn!("cell {name}: {}: {error}", place.libraries().display());
+        }
+    }
+
+    /// Starts the cells of these components that are not there, side by side: most of the time of a start
     /// goes by in the new process.
-    pub async fn open_all(self: &Arc<Self>, names: impl IntoIterator<Item = &str>) {
+    pub async fn open_all(self: &Arc<Self>, requests: impl IntoIterator<Item = &LoadRequest>) {
+        let requests: Vec<&LoadRequest> = requests.into_iter().collect();
+        for request in &requests {
+            if let Some(name) = request.cell.as_deref()
+                && let Ok(place) = Place::new(&place::of_all(&self.setup.socket), name)
+                && place.make().is_ok()
+            {
+                self.grant(name, &place, Some(&request.library));
+            }
+        }
+        let names: BTreeSet<&str> =
+            requests.iter().filter_map(|request| request.cell.as_deref()).collect();
         let mut opening = JoinSet::new();
         for name in names {
             let (cells, name) = (Arc::clone(self), name.to_owned());
             // Whoever loads into one that does not start is told why.
-            opening.spawn(async move { cells.open(&name).await.map(drop) });
+            opening.spawn(async move { cells.open(&name, None).await.map(drop) });
         }
         opening.join_all().await;
     }
@@ -136,7 +164,7 @@ impl Cells {
     /// # Errors
     /// The cell is down, or refuses the component.
     pub async fn load(&self, name: &str, request: &LoadRequest) -> Result<Component, OpenError> {
-        let cell = self.open(name).await?;
+        let cell = self.open(name, Some(&request.library)).await?;
         let turn = cell.changing().await;
         let loaded = cell.tell(&routes::load(), request).await;
         if let Ok(component) = &loaded {
@@ -200,6 +228,9 @@ impl Cells {
                 Some(pid) => self.living(&name, &place, pid).await,
                 None => None,
             };
+            if process.is_none() {
+                remains::end_descendants(&place);
+            }
             if process.is_none() && !place.journal().exists() {
                 place.remove();
                 continue;
@@ -213,7 +244,7 @@ impl Cells {
 
     /// A process that a daemon before this one started, if it answers; else it is killed.
     async fn living(&self, name: &str, place: &Place, pid: u32) -> Option<Process> {
-        let process = Process::found(pid).ok()?;
+        let process = Process::found(pid, Some(place)).ok()?;
         let client = Client::new(&place.socket());
         let about = routes::about();
         let answer = tokio::time::timeout(self.setup.settings.alive_timeout, client.ask(&about));

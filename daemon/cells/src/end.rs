@@ -17,6 +17,8 @@ pub(crate) enum End {
     NotReady(std::time::Duration),
     /// It could not be started.
     NotStarted(String),
+    /// It refused to run as it is configured.
+    Refused(String),
 }
 
 impl End {
@@ -42,6 +44,7 @@ impl fmt::Display for End {
                 write!(f, "killed: it was not ready within {} s", limit.as_secs_f64())
             }
             Self::NotStarted(why) => write!(f, "not started: {why}"),
+            Self::Refused(why) => write!(f, "refused: {why}"),
         }
     }
 }

@@ -26,6 +26,7 @@ pub mod policy;
 mod process;
 mod react;
 pub mod record;
+mod remains;
 mod setup;
 mod wire;
 

@@ -9,10 +9,15 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use crate::journal;
-use genom_configuration::{BackendNames, ConfigError, Deployment, LoadRequest, WithoutDaemon};
+use crate::place;
+use genom_configuration::{
+    BackendNames, Config, ConfigError, Deployment, LoadRequest, WithoutDaemon,
+};
 use genom_host::keep_from_children;
+use genom_limits::{Grants, LimitError};
 use genom_supervisor::Supervisor;
 use genom_supervisor::bus::Heard;
+use rustix::fs::StatVfsMountFlags;
 use tokio::io::AsyncReadExt as _;
 use tokio::net::unix::pipe;
 
@@ -88,6 +93,49 @@ impl OwnCell {
             }
         }
     }
+}
+
+/// Limits this process to what its configuration grants: called first, before it has threads or
+/// libraries. Returns what does not hold.
+///
+/// # Errors
+/// It is not to run without what does not hold, or cannot.
+pub fn limit(file: &Path, config: &Config) -> Result<Vec<String>, OwnLimitError> {
+    let limits = &config.cells.limits;
+    let place = file.parent().unwrap_or(Path::new("."));
+    let temporary = std::env::temp_dir();
+    if limits.is_sandbox()
+        && temporary.starts_with(place)
+        && rustix::fs::statvfs(&temporary)
+            .is_ok_and(|told| told.f_flag.contains(StatVfsMountFlags::NOEXEC))
+    {
+        return Err(OwnLimitError::NoExecute(temporary));
+    }
+    let program = std::env::current_exe().ok();
+    let read = config.path.iter().chain(&config.include).cloned().chain(program).collect();
+    let mut write = genom_registry::places(&config.backends);
+    write.push(place.to_owned());
+    Ok(genom_limits::apply(limits, &Grants { read, write })?)
+}
+
+/// Why a cell does not run.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum OwnLimitError {
+    /// Limits that cannot be had.
+    #[error(transparent)]
+    Limit(#[from] LimitError),
+    /// A copy of a library could not be loaded from there.
+    #[error(
+        "{}: programs cannot be executed from this file system (`noexec`), and a cell in a sandbox \
+         loads its libraries from there: give the daemon a --socket elsewhere", .0.display()
+    )]
+    NoExecute(PathBuf),
+}
+
+/// Writes down, for the daemon, why this cell does not run.
+pub fn refuse(file: &Path, why: &str) {
+    // The message is on standard error as well.
+    let _ = std::fs::write(file.with_file_name(place::REFUSAL), why);
 }
 
 /// Components of a cell meet those of other processes: what would stay within the daemon goes over

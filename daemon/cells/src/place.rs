@@ -1,15 +1,21 @@
 //! Where the cells of a daemon keep their files: a directory beside the daemon's socket.
 //!
 //! `SOCKET.cells/NAME/` holds `socket` (its control plane), `config.toml` (how it is to run),
-//! `journal.toml` (what it is to hold) and `pid`. Only the daemon's user can enter it.
+//! `journal.toml` (what it is to hold) and `pid`; of a cell in a sandbox, `tmp`, too, and
+//! `NAME.libraries` stands beside it. Only the daemon's user can enter it.
 
+use std::ffi::OsStr;
 use std::fs::{self, DirBuilder};
 use std::io;
+use std::os::unix::ffi::OsStrExt as _;
 use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _};
 use std::path::{Path, PathBuf};
 
 /// Longest path of a Unix socket, in bytes (`sun_path`, with its final 0).
 const LONGEST: usize = 107;
+
+/// File in which a cell writes why it does not start.
+pub(crate) const REFUSAL: &str = "refusal";
 
 /// The directory of one cell.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -99,6 +105,7 @@ impl Place {
         {
             tracing::warn!("{} stays behind: {error}", self.0.display());
         }
+        let _ = fs::remove_file(self.libraries());
         // Refused as long as another cell has its own there.
         let _ = self.0.parent().map(fs::remove_dir);
     }
@@ -119,6 +126,55 @@ impl Place {
     #[must_use]
     pub fn journal(&self) -> PathBuf {
         self.0.join("journal.toml")
+    }
+
+    /// Its directory.
+    #[must_use]
+    pub fn directory(&self) -> &Path {
+        &self.0
+    }
+
+    /// Where a cell in a sandbox keeps its temporary files.
+    #[must_use]
+    pub fn temporary(&self) -> PathBuf {
+        self.0.join("tmp")
+    }
+
+    /// The directories of its libraries, for a cell in a sandbox: one a line. It stands beside the
+    /// directory, where the cell itself cannot write.
+    #[must_use]
+    pub fn libraries(&self) -> PathBuf {
+        self.0.with_extension("libraries")
+    }
+
+    /// Lets a cell in a sandbox read this directory, from its next start on.
+    ///
+    /// # Errors
+    /// The system refuses.
+    pub fn grant(&self, directory: &Path) -> io::Result<()> {
+        let mut all = self.granted();
+        if all.iter().any(|known| known == directory) {
+            return Ok(());
+        }
+        all.push(directory.to_owned());
+        let lines: Vec<&[u8]> = all.iter().map(|path| path.as_os_str().as_bytes()).collect();
+        fs::write(self.libraries(), lines.join(&b'\n'))
+    }
+
+    /// The directories of its libraries.
+    #[must_use]
+    pub fn granted(&self) -> Vec<PathBuf> {
+        let text = fs::read(self.libraries()).unwrap_or_default();
+        let lines = text.split(|byte| *byte == b'\n').filter(|line| !line.is_empty());
+        lines.map(|line| PathBuf::from(OsStr::from_bytes(line))).collect()
+    }
+
+    /// Why its process did not start, in its own words; told once.
+    pub(crate) fn taken_refusal(&self) -> Option<String> {
+        let file = self.0.join(REFUSAL);
+        let why = fs::read_to_string(&file).ok()?;
+        let _ = fs::remove_file(file);
+        Some(why)
     }
 
     /// The number of its process.

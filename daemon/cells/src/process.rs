@@ -18,6 +18,7 @@ use tokio::sync::watch;
 
 use crate::end::End;
 use crate::place::Place;
+use crate::remains;
 
 /// Stack of the thread that waits for an end, in bytes.
 const STACK: usize = 64 * 1024;
@@ -39,36 +40,49 @@ impl Process {
     /// run, which costs them periods. In a process group of its own it gets no signal of the
     /// daemon's terminal.
     pub(crate) fn start(program: &Path, name: &str, place: &Place) -> io::Result<Self> {
-        let mut child = Command::new(program)
+        let mut command = Command::new(program);
+        command
             .arg("--run-cell")
             .arg(name)
             .arg("--config")
             .arg(place.config())
             // The variable by which users choose the daemon's would come before the file.
             .env_remove("GENOMD_SOCKET")
+            .env(remains::MARK, place.directory())
             .stdin(Stdio::piped())
-            .process_group(0)
-            .spawn()?;
+            .process_group(0);
+        if place.temporary().is_dir() {
+            command.env("TMPDIR", place.temporary());
+        }
+        let mut child = command.spawn()?;
         let pid = Pid::from_child(&child);
         let lease = child.stdin.take();
         // For a daemon that comes after this one, when the cell does not answer it.
         fs::write(place.pid(), pid.as_raw_nonzero().to_string())?;
-        Self::of(pid, lease)
+        Self::of(pid, lease, Some(place))
     }
 
-    /// A process that another daemon started.
-    pub(crate) fn found(pid: u32) -> io::Result<Self> {
+    /// A process that another daemon started, or this one before. With a place, what its codels
+    /// started and left ends with it; one owner at a time does that.
+    pub(crate) fn found(pid: u32, place: Option<&Place>) -> io::Result<Self> {
         let pid = i32::try_from(pid).ok().and_then(Pid::from_raw);
-        Self::of(pid.ok_or(Errno::SRCH)?, None)
+        Self::of(pid.ok_or(Errno::SRCH)?, None, place)
     }
 
-    fn of(pid: Pid, lease: Option<ChildStdin>) -> io::Result<Self> {
+    fn of(pid: Pid, lease: Option<ChildStdin>, place: Option<&Place>) -> io::Result<Self> {
+        let place = place.cloned();
         let handle = Arc::new(pidfd_open(pid, PidfdFlags::empty())?);
         let (told, end) = watch::channel(None);
         let watched = Arc::clone(&handle);
         // A thread, since tokio takes no such descriptor without unsafe code; it sleeps.
         thread::Builder::new().name("cell-end".to_owned()).stack_size(STACK).spawn(move || {
-            told.send_replace(Some(wait(&watched)));
+            while let Err(Errno::INTR) = poll(&mut [PollFd::new(&*watched, PollFlags::IN)], None) {}
+            if let Some(place) = place {
+                // Before its status is taken: until then, nobody else gets its number.
+                remains::end_group(pid);
+                remains::end_descendants(&place);
+            }
+            told.send_replace(Some(status(&watched)));
         })?;
         Ok(Self { pid, handle, end, _lease: lease })
     }
@@ -90,9 +104,8 @@ impl Process {
     }
 }
 
-/// Blocks until the process has ended, whoever started it, and takes its status.
-fn wait(handle: &OwnedFd) -> End {
-    while let Err(Errno::INTR) = poll(&mut [PollFd::new(handle, PollFlags::IN)], None) {}
+/// Takes the status of a process that has ended.
+fn status(handle: &OwnedFd) -> End {
     let id = WaitId::PidFd(handle.as_fd());
     match waitid(id, WaitIdOptions::EXITED | WaitIdOptions::NOHANG) {
         Ok(Some(status)) => match (status.exit_status(), status.terminating_signal()) {
@@ -124,7 +137,7 @@ mod tests {
     #[allow(clippy::zombie_processes, reason = "what is tested waits for it")]
     async fn end_of(script: &str) -> End {
         let child = Command::new("/bin/sh").args(["-c", script]).spawn().unwrap();
-        let process = Process::of(Pid::from_child(&child), None).unwrap();
+        let process = Process::of(Pid::from_child(&child), None, None).unwrap();
         process.ended().await
     }
 

@@ -1,13 +1,17 @@
 //! What holds for all cells of a daemon.
 
-use std::fs;
+use std::fs::{self, DirBuilder};
+use std::io;
+use std::os::unix::fs::DirBuilderExt as _;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use genom_configuration::{CellSettings, Config, Deployment, Reaction};
+use genom_configuration::{CellLimits, CellSettings, Config, Deployment, Reaction};
 use genom_protocol::Change;
+use rustix::process::Signal;
 use serde_json::Value;
 
+use crate::end::End;
 use crate::place::Place;
 
 /// What holds for all cells of a daemon.
@@ -75,8 +79,12 @@ impl Setup {
 
     /// Writes how a cell is to run: as the daemon, but with a socket of its own, and with what
     /// components hold in common with none but the daemon's on shared memory.
-    pub(crate) fn write_config(&self, place: &Place) -> Result<(), WriteError> {
+    pub(crate) fn write_config(&self, name: &str, place: &Place) -> Result<(), WriteError> {
         let mut config = self.config.clone();
+        // Relative ones are found from the daemon's directory, not from that of the cell's file.
+        config.path.iter_mut().chain(&mut config.include).for_each(make_absolute);
+        config.cells.limits = self.limits(name, place)?;
+        config.cell.clear();
         config.component.clear();
         config.connection.clear();
         config.call.clear();
@@ -89,5 +97,64 @@ impl Setup {
             "shm".clone_into(&mut config.backend);
         }
         Ok(fs::write(place.config(), config.text()?)?)
+    }
+
+    /// What a cell may use. In a sandbox it reads its libraries, and has temporary files of its
+    /// own.
+    fn limits(&self, name: &str, place: &Place) -> io::Result<CellLimits> {
+        let mut limits = self.config.limits_of(name);
+        limits.read.iter_mut().chain(&mut limits.write).flatten().for_each(make_absolute);
+        if limits.is_sandbox() {
+            let granted = limits.read.get_or_insert_default();
+            granted.extend(place.granted().into_iter().filter(|path| path.exists()));
+            DirBuilder::new().recursive(true).mode(0o700).create(place.temporary())?;
+        }
+        Ok(limits)
+    }
+
+    /// How a cell ended, with the limit that it may have reached.
+    pub(crate) fn explain(&self, name: &str, end: &End) -> String {
+        let limits = self.config.limits_of(name);
+        let End::Signal(signal) = end else { return end.to_string() };
+        let memory = [Signal::ABORT, Signal::SEGV, Signal::BUS];
+        match (limits.memory, limits.rttime) {
+            (_, Some(most)) if *signal == Signal::XCPU.as_raw() => {
+                format!("{end}: a real-time thread ran for rttime = {most} ms without waiting")
+            }
+            (Some(most), _) if memory.iter().any(|one| one.as_raw() == *signal) => {
+                format!("{end}; its memory is limited to {most} MiB")
+            }
+            _ => end.to_string(),
+        }
+    }
+}
+
+fn make_absolute(path: &mut PathBuf) {
+    if let Ok(absolute) = std::path::absolute(&*path) {
+        *path = absolute;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn the_limit_that_ended_a_cell_is_told() {
+        let config = "[cell.arm]\nmemory = 64\nrttime = 20\n";
+        let setup = Setup {
+            program: PathBuf::new(),
+            socket: PathBuf::new(),
+            config: Config::parse(Path::new("robot.toml"), config).unwrap(),
+            settings: CellSettings::default(),
+            stop_timeout: Duration::from_secs(1),
+            hears: Box::new(drop),
+        };
+        let told = |name, signal: Signal| setup.explain(name, &End::Signal(signal.as_raw()));
+        assert!(told("arm", Signal::XCPU).ends_with("rttime = 20 ms without waiting"));
+        assert!(told("arm", Signal::ABORT).ends_with("limited to 64 MiB"));
+        assert_eq!(told("other", Signal::ABORT), "signal 6 (SIGABRT)");
     }
 }

@@ -52,7 +52,7 @@ impl Cells {
         supervisor: &Supervisor,
         whole: &'a Deployment,
     ) -> Result<(), (&'a LoadRequest, OpenError)> {
-        self.open_all(whole.cells()).await;
+        self.open_all(&whole.component).await;
         for request in &whole.component {
             let Some(cell) = request.cell.as_deref() else { continue };
             let name = request.instance();

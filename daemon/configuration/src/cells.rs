@@ -5,6 +5,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use crate::error::UsageError;
+use crate::limits::CellLimits;
 
 /// Section `[cells]`, as it is written: times in seconds.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -26,6 +27,8 @@ pub struct CellsSection {
     pub alive_timeout: f64,
     /// What cells do when the daemon ends without having stopped them.
     pub without_daemon: WithoutDaemon,
+    /// What each cell may use.
+    pub limits: CellLimits,
 }
 
 /// What cells do when the daemon ends without having stopped them.
@@ -50,6 +53,7 @@ impl Default for CellsSection {
             ready_timeout: 60.0,
             alive_timeout: 5.0,
             without_daemon: WithoutDaemon::Continue,
+            limits: CellLimits::default(),
         }
     }
 }

@@ -36,6 +36,9 @@ pub enum UsageError {
     /// A number of `[cells]`.
     #[error("cells.{key} = {value}: {what}")]
     Cells { key: String, value: f64, what: String },
+    /// A number of `[cells.limits]` or `[cell.NAME]`.
+    #[error("{key} = {value}: {what}")]
+    Limit { key: String, value: i128, what: String },
     /// A pattern of `[services]` is malformed.
     #[error(
         "[services]: `{0}` is no pattern of services: write BACKEND:COMPONENT/SERVICE or \

@@ -13,8 +13,9 @@ use genom_runtime::{ACTIVITY_LIMIT, STUCK_AFTER};
 use serde::{Deserialize, Serialize};
 
 use crate::cells::CellsSection;
-use crate::error::{ConfigError, WhichDaemon};
+use crate::error::{ConfigError, UsageError, WhichDaemon};
 use crate::levels;
+use crate::limits::CellLimits;
 use crate::offers::Offers;
 use crate::overrides;
 use crate::rpc::Rpc;
@@ -52,6 +53,8 @@ pub struct Config {
     pub rpc: Rpc,
     /// Processes of their own for components.
     pub cells: CellsSection,
+    /// What single cells may use, by their names.
+    pub cell: BTreeMap<String, CellLimits>,
     /// Which services are offered on which middlewares.
     pub services: Offers,
     /// What is sent to an OpenTelemetry collector.
@@ -107,6 +110,7 @@ impl Default for Config {
             max_activities: ACTIVITY_LIMIT,
             rpc: Rpc::default(),
             cells: CellsSection::default(),
+            cell: BTreeMap::new(),
             services: Offers::default(),
             telemetry: Telemetry::default(),
             backends: BTreeMap::new(),
@@ -147,6 +151,8 @@ impl Config {
             let files = [&mut tls.cert, &mut tls.key].into_iter().chain(&mut tls.client_ca);
             files.for_each(|file| anchor(base, file));
         }
+        let limits = std::iter::once(&mut self.cells.limits).chain(self.cell.values_mut());
+        limits.flat_map(CellLimits::paths).for_each(|path| anchor(base, path));
         for component in &mut self.component {
             // A bare name is searched on the component path, not in the directory of the
             // configuration.
@@ -156,6 +162,21 @@ impl Config {
             }
             component.gen_file.iter_mut().for_each(|file| anchor(base, file));
         }
+    }
+
+    /// What the cell of this name may use.
+    pub fn limits_of(&self, cell: &str) -> CellLimits {
+        let all = &self.cells.limits;
+        self.cell.get(cell).map_or_else(|| all.clone(), |own| own.over(all))
+    }
+
+    /// Checks what cells may use.
+    ///
+    /// # Errors
+    /// A number is out of its range.
+    pub fn check_limits(&self) -> Result<(), UsageError> {
+        self.cells.limits.check("cells.limits")?;
+        self.cell.iter().try_for_each(|(name, limits)| limits.check(&format!("cell.{name}")))
     }
 
     /// The configuration as TOML.

@@ -10,6 +10,7 @@ mod cells;
 mod error;
 mod file;
 pub mod levels;
+mod limits;
 mod offers;
 mod overrides;
 pub mod place;
@@ -26,6 +27,7 @@ pub use genom_protocol::{
     Act, BackendNames, CallEntry, ClockKind, ConnectionEntry, Deed, Deployment, ExecutionKind,
     LoadRequest, PortQos, QosEntry, Reaction, Right, TaskEntry,
 };
+pub use limits::CellLimits;
 pub use offers::Offers;
 pub use rpc::{Rpc, RpcSettings, Tls};
 pub use spot::Spot;

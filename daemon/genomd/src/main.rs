@@ -18,7 +18,7 @@ mod signals;
 mod startup;
 
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -63,7 +63,12 @@ fn main() -> ExitCode {
     genom_host::tell_last_words();
     genom_host::guard_process();
     let run = if cli.check { check::run } else { run::run };
-    let outcome = settings(cli, invitation).and_then(run);
+    let cell_file = cell_file(&cli);
+    let settings = settings(cli, invitation);
+    if let (Some(file), Err(refusal)) = (&cell_file, &settings) {
+        genom_cells::own::refuse(file, refusal.message());
+    }
+    let outcome = settings.and_then(run);
     genom_host::end_is_ours();
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
@@ -71,10 +76,18 @@ fn main() -> ExitCode {
     }
 }
 
+/// The configuration of a cell, which stands among its files.
+fn cell_file(cli: &Cli) -> Option<PathBuf> {
+    cli.config.clone().filter(|_| cli.run_cell.is_some())
+}
+
 /// Applies the command line to the configuration file, and checks the result.
 fn settings(cli: Cli, invitation: Invitation) -> Result<Settings, Refusal> {
     let config = Config::read(cli.config.as_deref(), &cli.set).map_err(Refusal::usage)?;
-    let cell_file = cli.config.clone().filter(|_| cli.run_cell.is_some());
+    let cell_file = cell_file(&cli);
+    // First of all: limits hold for what comes after.
+    let limit = |file: &PathBuf| genom_cells::own::limit(file, &config);
+    let missing = cell_file.as_ref().map(limit).transpose().map_err(Refusal::usage)?;
     let mut settings = Settings::new(cli, config).map_err(Refusal::usage)?;
     settings.invitation = invitation;
     if let Some(file) = cell_file {
@@ -84,6 +97,7 @@ fn settings(cli: Cli, invitation: Invitation) -> Result<Settings, Refusal> {
         settings.own_cell = Some(Arc::new(own));
     }
     logs::start(&settings.log, settings.collector.is_some()).map_err(Refusal::usage)?;
+    missing.iter().flatten().for_each(|line| tracing::warn!("limits of this cell: {line}"));
     genom_registry::check(&settings.supervisor.backend).map_err(Refusal::usage)?;
     genom_registry::check_options(&settings.supervisor.backends).map_err(Refusal::usage)?;
     Ok(settings)

@@ -60,6 +60,11 @@ impl Refusal {
         Self { message, status: 4 }
     }
 
+    /// What it says.
+    pub(crate) fn message(&self) -> &str {
+        &self.message
+    }
+
     /// Prints the message on standard error.
     pub(crate) fn report(&self) -> ExitCode {
         // Formatted diagnostics of a description begin with `error` themselves.
@@ -138,6 +143,10 @@ fn announce(daemon: &Arc<Daemon>, tokens: &Arc<Tokens>, log: Arc<Log>) {
 async fn live(mut settings: Settings) -> Result<(), Refusal> {
     let signals = Signals::take(settings.keep).map_err(Refusal::own)?;
     let socket = Socket::open(&settings.rpc.socket, own).map_err(Refusal::own)?;
+    if settings.own_cell.is_some() {
+        // Its own socket is open; others would be those of daemons.
+        genom_limits::close_doors(&settings.config.cells.limits).map_err(Refusal::own)?;
+    }
     let tokens = Tokens::read(settings.rpc.token_file.as_deref()).map_err(Refusal::usage)?;
     let log = Arc::new(Log::default());
     let tcp = match settings.rpc.listen {
@@ -277,7 +286,7 @@ async fn load_all(daemon: &Daemon, settings: &Settings) -> Result<Vec<Step>, Ref
     });
     startup.begins(names.collect());
     if daemon.own_cell.is_none() {
-        daemon.cells.open_all(settings.deployment.cells()).await;
+        daemon.cells.open_all(&settings.deployment.component).await;
     }
     let longest = supervisor.settings.start_timeout.max(settings.cells.ready_timeout);
     for step in loads {

@@ -56,6 +56,7 @@ impl Settings {
         let config = cli.over(config);
         let rpc = RpcSettings::new(config.rpc.clone())?;
         let cells = CellSettings::new(&config.cells)?;
+        config.check_limits()?;
         config.services.check()?;
         if !(1..=MOST_ACTIVITIES).contains(&config.max_activities) {
             return Err(UsageError::Activities(config.max_activities));

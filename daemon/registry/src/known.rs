@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use genom_middleware::{Backend, Middleware, NoForeignName};
@@ -17,6 +18,8 @@ pub struct Known {
     pub version: &'static str,
     /// Checks its section of the configuration, without opening anything.
     pub(crate) check: fn(&toml::Table) -> Result<(), SectionError>,
+    /// Where it makes files, with its section of the configuration.
+    pub(crate) places: fn(&toml::Table) -> Result<Vec<PathBuf>, SectionError>,
     /// Opens it with its section of the configuration.
     pub(crate) open: fn(&toml::Table) -> Result<Arc<dyn Middleware>, SectionError>,
 }
@@ -27,6 +30,7 @@ impl Known {
             name: B::NAME,
             version: B::VERSION,
             check: |section| B::check(&read(section)?).map_err(SectionError::refused),
+            places: |section| Ok(B::places(&read(section)?)),
             open: |section| B::open(read(section)?).map_err(SectionError::refused),
         }
     }
@@ -56,6 +60,15 @@ backends! {
 /// The middlewares this daemon was built with.
 pub fn known() -> &'static [Known] {
     KNOWN
+}
+
+/// Directories in which middlewares make files on this machine, with these sections of the
+/// configuration.
+pub fn places(sections: &BTreeMap<String, toml::Table>) -> Vec<PathBuf> {
+    let none = toml::Table::new();
+    let of = |known: &Known| (known.places)(sections.get(known.name).unwrap_or(&none));
+    // A section that cannot be read is reported when the configuration is checked.
+    known().iter().filter_map(|known| of(known).ok()).flatten().collect()
 }
 
 /// The sections `[backends.NAME]` of a configuration file, typed as each middleware reads them:

@@ -10,5 +10,5 @@ mod known;
 mod masquerade;
 
 pub use backends::Backends;
-pub use known::{BackendError, Known, Sections, check, check_options, known};
+pub use known::{BackendError, Known, Sections, check, check_options, known, places};
 pub use masquerade::Masquerade;

@@ -166,7 +166,7 @@ impl Engine {
                 service: entry.service.map(|service| model.services[service].name.clone()),
                 task: model.tasks[entry.task].name.clone(),
                 phase,
-                state: model.states.get(usize::from(state)).cloned().unwrap_or_default(),
+                state: model.states.get(state).cloned().unwrap_or_default(),
                 paused,
                 stopped_by: entry.by.clone(),
             })

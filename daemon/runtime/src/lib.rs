@@ -40,8 +40,8 @@ mod unpaused;
 mod waits;
 mod watcher;
 
-/// Indices of the codels, ports, services and tasks of a component.
-pub use genom_description::model::{CodelIx, Indexed, Ix, PortIx, ServiceIx, TaskIx};
+/// Indices of the codels, ports, services, states and tasks of a component.
+pub use genom_description::model::{CodelIx, Indexed, Ix, PortIx, ServiceIx, StateIx, TaskIx};
 
 pub use api::{
     ConnectionError, Exception, Inputs, OnShutdown, Outcome, Partial, Progress, Reply, Supervision,

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread::Thread;
 
-use genom_description::model::{CodelIx, Indexed, Owner, TaskIx};
+use genom_description::model::{CodelIx, Indexed, Owner, StateIx, TaskIx};
 use rtrb::Producer;
 
 use crate::at_work::AtWork;
@@ -69,7 +69,7 @@ pub(crate) struct TaskShared {
 /// What a task reports to watchers, through control.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Notice {
-    Moved { activity: u32, state: usize, paused: bool },
+    Moved { activity: u32, state: StateIx, paused: bool },
     Overrun { task: TaskIx, ticks: u64 },
 }
 
@@ -283,7 +283,7 @@ impl TaskShared {
 
     /// Takes the states of the external events fired since the last call.
     #[inline]
-    pub(crate) fn take_fired(&self, plan: &Plan, into: &mut Vec<u16>) {
+    pub(crate) fn take_fired(&self, plan: &Plan, into: &mut Vec<StateIx>) {
         into.clear();
         for (word, bits) in self.fired.iter().enumerate() {
             if bits.load(Ordering::Relaxed) == 0 {
@@ -293,8 +293,7 @@ impl TaskShared {
             while bits != 0 {
                 let sink = word * 64 + bits.trailing_zeros() as usize;
                 bits &= bits - 1;
-                let state = plan.component().sinks.get(sink).map(|sink| sink.state);
-                into.extend(state.and_then(|state| u16::try_from(state).ok()));
+                into.extend(plan.component().sinks.get(sink).map(|sink| sink.state));
             }
         }
     }

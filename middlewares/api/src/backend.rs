@@ -1,6 +1,7 @@
 //! How a backend is opened from its section of the configuration.
 
 use std::fmt::Display;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use serde::de::DeserializeOwned;
@@ -34,6 +35,13 @@ pub trait Backend {
     fn check(options: &Self::Options) -> Result<(), Self::Error> {
         let _ = options;
         Ok(())
+    }
+
+    /// Directories in which it makes files on this machine: a process that may not write elsewhere
+    /// needs them.
+    fn places(options: &Self::Options) -> Vec<PathBuf> {
+        let _ = options;
+        Vec::new()
     }
 
     /// Opens the middleware.

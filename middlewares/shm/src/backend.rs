@@ -1,6 +1,7 @@
 //! The middleware: one iceoryx2 node per daemon.
 
 use std::io;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -107,6 +108,14 @@ impl Backend for Shm {
 
     fn check(options: &Options) -> Result<(), ShmError> {
         options.check()
+    }
+
+    fn places(options: &Options) -> Vec<PathBuf> {
+        // Reads iceoryx2's own configuration, which may be out of reach later.
+        let config = Config::global_config();
+        let told = rights::is_told(config).then(|| config.global.root_path().to_string().into());
+        let root = options.root.clone().or(told);
+        vec![root.unwrap_or_else(rights::default_root), PathBuf::from(heal::SEGMENTS)]
     }
 
     fn open(options: Options) -> Result<Arc<dyn Middleware>, ShmError> {

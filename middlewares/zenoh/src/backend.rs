@@ -1,5 +1,6 @@
 //! The middleware: a session, opened according to its options.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use genom_middleware::{
@@ -82,6 +83,10 @@ impl Backend for Zenoh {
     const VERSION: &'static str = "zenoh 1.10";
     type Options = Options;
     type Error = SessionError;
+
+    fn places(options: &Options) -> Vec<PathBuf> {
+        options.rendezvous.clone().into_iter().collect()
+    }
 
     fn open(options: Options) -> Result<Arc<dyn Middleware>, SessionError> {
         Ok(Self::open(&options)?)

@@ -1,8 +1,10 @@
 //! Private copies of library files: each load uses its own file, so that a rebuilt library is
-//! loaded anew and components never share symbols or static variables.
+//! loaded anew and components never share symbols or static variables. Other users can neither
+//! write nor exchange it between the check and the load.
 
-use std::fs::{self, File};
+use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, Write};
+use std::os::unix::fs::{OpenOptionsExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -38,7 +40,9 @@ impl Shelf {
             return Ok(shelf);
         }
         sweep(&std::env::temp_dir());
-        let directory = tempfile::Builder::new().prefix(PREFIX).tempdir()?;
+        // For this user alone, whatever the umask: nobody else can exchange what was checked.
+        let own = Permissions::from_mode(0o700);
+        let directory = tempfile::Builder::new().prefix(PREFIX).permissions(own).tempdir()?;
         // The lock gets its name only once it is held; otherwise another process's sweep could take
         // it.
         let early = directory.path().join("lock.new");
@@ -62,7 +66,9 @@ impl PrivateCopy {
         let path = shelf.path.join(format!("{number}-{name}"));
         // Made before the file is written, so that an incomplete copy is removed as well.
         let copy = Self { path, _shelf: shelf };
-        fs::write(&copy.path, bytes)?;
+        let mut file =
+            OpenOptions::new().write(true).create_new(true).mode(0o400).open(&copy.path)?;
+        file.write_all(bytes)?;
         Ok(copy)
     }
 
@@ -131,6 +137,18 @@ mod tests {
         let mut copies = copies.into_iter();
         drop(copies.next());
         assert!(!first.exists() && directory.join(LOCK).exists());
+    }
+
+    #[test]
+    fn nobody_else_can_write_to_a_copy_or_put_another_in_its_place() {
+        let copy = PrivateCopy::new(Path::new("somewhere/own.so"), b"checked").unwrap();
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o7777;
+        assert_eq!(mode(copy.path()), 0o400);
+        assert_eq!(mode(copy.path().parent().unwrap()), 0o700);
+        let scratch = TempDir::new().unwrap();
+        let original = scratch.path().join("beside.so");
+        let of_beside = beside(&original, b"checked", |path| mode(path)).unwrap();
+        assert_eq!(of_beside, 0o600);
     }
 
     #[test]

@@ -65,6 +65,13 @@ impl KeptLimits {
     }
 }
 
+/// Whether the processor time of this process or of a real-time thread is limited.
+pub(super) fn of_time() -> bool {
+    [libc::RLIMIT_CPU, libc::RLIMIT_RTTIME].iter().any(|resource| {
+        exchange(*resource as c_int, None).is_some_and(|limit| limit.soft != libc::RLIM_INFINITY)
+    })
+}
+
 /// The name of a limit.
 pub(super) fn name(resource: c_int) -> String {
     let known = NEEDED.iter().find(|(number, _)| *number == resource);

@@ -11,6 +11,7 @@ use std::ops::Range;
 use std::ptr;
 use std::sync::OnceLock;
 
+use super::limits;
 use super::notes::{self, Act};
 use crate::running;
 
@@ -66,7 +67,10 @@ pub(super) fn name(signal: c_int) -> String {
 }
 
 fn harmless() -> impl Iterator<Item = c_int> {
-    HARMLESS.iter().map(|(signal, _)| *signal).chain(libc::SIGRTMIN()..=libc::SIGRTMAX())
+    // Whoever limits processor time wants the process ended.
+    let ends = |signal: &c_int| *signal == libc::SIGXCPU && limits::of_time();
+    let named = HARMLESS.iter().map(|(signal, _)| *signal).filter(move |signal| !ends(signal));
+    named.chain(libc::SIGRTMIN()..=libc::SIGRTMAX())
 }
 
 /// The recorded actions of the process.

@@ -35,7 +35,7 @@ use iceoryx2::prelude::Config;
 use crate::catalog;
 pub(crate) use healed::Healed;
 use nodes::Nodes;
-pub(crate) use places::Places;
+pub(crate) use places::{Places, SEGMENTS};
 use remains::Segments;
 pub(crate) use turn::Turn;
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use iceoryx2::prelude::Config;
 
 /// Folder of POSIX shared memory on Linux.
-const SEGMENTS: &str = "/dev/shm";
+pub(crate) const SEGMENTS: &str = "/dev/shm";
 
 /// Folders and file names for one prefix and root.
 #[derive(Clone, Debug)]

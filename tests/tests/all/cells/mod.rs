@@ -5,6 +5,7 @@ mod deployed;
 mod ended;
 mod joined;
 mod life;
+mod limits;
 mod refused;
 mod safe_state;
 

@@ -32,6 +32,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-doors", &["genom-nearest", "genom-proof", "genom-protocol"]),
     ("genom-supervisor", SUPERVISOR),
     ("genom-cells", CELLS),
+    ("genom-limits", &["genom-configuration"]),
     ("genom-systemd", &["genom-host"]),
     ("genom-telemetry", &["genom-configuration", "genom-supervisor"]),
     ("genom-proof", &[]),
@@ -52,7 +53,14 @@ const HOST: &[&str] = &[
     "genom-runtime",
     "genom-types",
 ];
-const CELLS: &[&str] = &["genom-configuration", "genom-host", "genom-protocol", "genom-supervisor"];
+const CELLS: &[&str] = &[
+    "genom-configuration",
+    "genom-host",
+    "genom-limits",
+    "genom-protocol",
+    "genom-registry",
+    "genom-supervisor",
+];
 const GENOMCTL: &[&str] = &[
     "genom-description",
     "genom-description-tools",
@@ -100,7 +108,7 @@ const UNSAFE: &[&str] = &[
 /// below it.
 const FLOORS: &[(&str, &str)] = &[
     ("registry", "known backends masquerade lib"),
-    ("configuration", "error cells levels place terms offers rpc spot overrides file lib"),
+    ("configuration", "error limits cells levels place terms offers rpc spot overrides file lib"),
     ("ports", "dates gauge key tape fan feeds tap lib"),
     (
         "supervisor",
@@ -114,7 +122,8 @@ const FLOORS: &[(&str, &str)] = &[
     ),
     (
         "cells",
-        "end policy place journal client follow process setup cell asking cells react merge record wire \
+        "end policy place journal client follow remains process setup cell asking cells react merge \
+         record wire \
          own lib",
     ),
     (
