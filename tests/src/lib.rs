@@ -30,6 +30,6 @@ pub use command::{Finished, Running, WATCHDOG};
 pub use counts::{Counts, step};
 pub use daemon::{Daemon, Home, Memory};
 pub use http::{Events, Reply, connect, request};
-pub use many::{Footprint, Many};
+pub use many::{Footprint, Many, processor_time};
 pub use transcript::transcript;
 pub use until::{until, until_answer};

@@ -15,6 +15,7 @@
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
+use std::time::Duration;
 
 use crate::fixture;
 
@@ -52,6 +53,22 @@ impl Many {
         }
         text
     }
+}
+
+/// Time that all threads of a process, as far as they still run, spent on processors.
+///
+/// # Panics
+/// If there is no such process.
+#[must_use]
+pub fn processor_time(process: u32) -> Duration {
+    let tasks = Path::new("/proc").join(process.to_string()).join("task");
+    let of = |task: fs::DirEntry| -> Option<u64> {
+        // Nanoseconds on a processor, then waiting for one.
+        let times = fs::read_to_string(task.path().join("schedstat")).ok()?;
+        times.split_whitespace().next()?.parse().ok()
+    };
+    let tasks = fs::read_dir(tasks).expect("the process runs").flatten();
+    Duration::from_nanos(tasks.filter_map(of).sum())
 }
 
 /// Resources of a process, as the kernel reports them.

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use genom_nearest::nearest_key;
 use genom_protocol::{
-    BackendNames, CallEntry, ClockKind, ConnectionEntry, Deployment, LoadRequest, Place,
+    BackendNames, CallEntry, ClockKind, ConnectionEntry, Deployment, ExecutionKind, LoadRequest,
+    Place,
 };
 use genom_registry::{Sections, check};
 use genom_runtime::{ACTIVITY_LIMIT, STUCK_AFTER};
@@ -35,6 +36,8 @@ pub struct Config {
     pub log: String,
     /// Clock of the components.
     pub clock: ClockKind,
+    /// Which threads execute the components.
+    pub execution: ExecutionKind,
     /// Whether to lock all memory of the process in RAM (`mlockall`).
     pub lock_memory: bool,
     /// When to check whether codels wrote past their memory.
@@ -101,6 +104,7 @@ impl Default for Config {
             include: Vec::new(),
             log: "info".to_owned(),
             clock: ClockKind::Monotonic,
+            execution: ExecutionKind::Threads,
             lock_memory: false,
             check_memory: MemoryCheck::Pauses,
             start_timeout: 60,

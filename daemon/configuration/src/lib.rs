@@ -26,8 +26,8 @@ pub use error::{
 };
 pub use file::{Config, MemoryCheck, Telemetry};
 pub use genom_protocol::{
-    Act, BackendNames, CallEntry, ClockKind, ConnectionEntry, Deed, Deployment, LoadRequest,
-    PortQos, QosEntry, Reaction, Right, TaskEntry,
+    Act, BackendNames, CallEntry, ClockKind, ConnectionEntry, Deed, Deployment, ExecutionKind,
+    LoadRequest, PortQos, QosEntry, Reaction, Right, TaskEntry,
 };
 pub use limits::CellLimits;
 pub use offers::Offers;

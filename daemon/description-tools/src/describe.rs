@@ -8,16 +8,13 @@ use serde_json::{Value, json};
 
 use genom_description::model::{
     Codel, CodelIx, CodelKind, Component, Dialect, Direction, Parameter, PathStep, Service,
-    ServiceIx, ServiceKind, Source, Specification,
+    ServiceIx, ServiceKind, Source, Specification, StateIx,
 };
 
 /// The whole component as JSON: services, ports, tasks, types, docs and defaults.
 #[must_use]
 pub fn describe(spec: &Specification, component: &Component) -> Value {
     let types = &spec.types;
-    let states = |ranks: &[usize]| -> Vec<&str> {
-        ranks.iter().filter_map(|rank| component.states.get(*rank)).map(String::as_str).collect()
-    };
     let tasks = component.tasks.iter().map(|task| {
         json!({
             "name": task.name,
@@ -66,7 +63,7 @@ pub fn describe(spec: &Specification, component: &Component) -> Value {
         "ports": ports.collect::<Vec<_>>(),
         "remotes": remotes.collect::<Vec<_>>(),
         "services": services.collect::<Vec<_>>(),
-        "states": states(&(0..component.states.len()).collect::<Vec<_>>()),
+        "states": *component.states,
         "events": sinks.collect::<Vec<_>>(),
         "throws": names(types, &component.throws),
         "digest": component.digest,
@@ -120,10 +117,10 @@ fn codels(component: &Component, types: &TypeTable, list: &[CodelIx]) -> Value {
 }
 
 fn one_codel(component: &Component, types: &TypeTable, codel: &Codel) -> Value {
-    let state = |rank: usize| component.states.get(rank).map_or("?", String::as_str);
+    let state = |ix: StateIx| component.states.get(ix).map_or("?", String::as_str);
     let (on, yields) = match &codel.kind {
         CodelKind::Fsm { triggers, yields } => {
-            let on: Vec<_> = triggers.iter().map(|rank| state(*rank)).collect();
+            let on: Vec<_> = triggers.iter().map(|ix| state(*ix)).collect();
             let pause = |to: bool| if to { "pause::" } else { "" };
             let to = yields.iter().map(|to| format!("{}{}", pause(to.pause), state(to.state)));
             (Some(on), Some(to.collect::<Vec<_>>()))

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use genom_description::model::{
-    Codel, CodelIx, CodelKind, Component, PortDirection, Service, ServiceKind, Source,
+    Codel, CodelIx, CodelKind, Component, PortDirection, Service, ServiceKind, Source, StateIx,
 };
 
 /// Languages that diagrams are written in.
@@ -140,8 +140,8 @@ impl Picture {
     }
 
     fn machine(&mut self, component: &Component, id: &str, title: String, codels: &[CodelIx]) {
-        let state = |rank: usize| component.states.get(rank).map_or("?", String::as_str);
-        let node = |rank: usize| format!("{id}__{}", state(rank));
+        let state = |ix: StateIx| component.states.get(ix).map_or("?", String::as_str);
+        let node = |ix: StateIx| format!("{id}__{}", state(ix));
         let mut machine =
             Machine { id: id.to_owned(), title, states: Vec::new(), arrows: Vec::new() };
         let mut known = std::collections::BTreeSet::new();

@@ -6,7 +6,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 
 use genom_types::{Kind, TypeId, TypeTable};
 
-use crate::model::{CodelKind, Component, Constant, Span, Specification};
+use crate::model::{CodelKind, Component, Constant, Span, Specification, StateIx};
 
 /// An item that has a C name.
 #[derive(Clone, Debug)]
@@ -160,7 +160,7 @@ pub fn event_names(component: &Component) -> Vec<(String, String)> {
 
 /// States that some codel yields with a pause.
 #[must_use]
-pub fn paused(component: &Component) -> BTreeSet<usize> {
+pub fn paused(component: &Component) -> BTreeSet<StateIx> {
     let yields = component.codels.iter().flat_map(|codel| match &codel.kind {
         CodelKind::Fsm { yields, .. } => yields.as_slice(),
         _ => &[],

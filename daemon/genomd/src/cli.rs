@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::{Parser, ValueHint};
-use genom_configuration::{ClockKind, Config};
+use genom_configuration::{ClockKind, Config, ExecutionKind};
 use genom_protocol::RestartPolicy;
 
 /// Runs GenoM3 components: libraries of codels with their descriptions, on a middleware chosen
@@ -86,6 +86,10 @@ pub(crate) struct Cli {
     /// monotonic].
     #[arg(long, value_name = "CLOCK")]
     pub(crate) clock: Option<ClockKind>,
+    /// Which threads execute the components: one for each task, or a single one for all of a
+    /// process, in the order of deadlines [default: threads].
+    #[arg(long, value_name = "HOW")]
+    pub(crate) execution: Option<ExecutionKind>,
     /// What to log on standard error: error, warn, info, debug, trace, or a filter such as
     /// info,genomd=debug [default: info].
     #[arg(long, value_name = "FILTER")]
@@ -115,6 +119,7 @@ impl Cli {
         config.backend = self.backend.clone().unwrap_or(config.backend);
         config.log = self.log.clone().unwrap_or(config.log);
         config.clock = self.clock.unwrap_or(config.clock);
+        config.execution = self.execution.unwrap_or(config.execution);
         config.path = [self.path.clone(), self.genom_path.clone(), config.path].concat();
         config.include = [self.include.clone(), config.include].concat();
         config.rpc.socket = self.socket.clone().or(config.rpc.socket);

@@ -39,6 +39,7 @@ mod daemons;
 mod deployment;
 mod description;
 mod events;
+mod execution;
 mod findings;
 pub mod frames;
 mod load;
@@ -85,6 +86,7 @@ pub use description::{
     RemoteDescription, Service, ServiceKind, TaskDescription,
 };
 pub use events::{AnyChange, Change, ChangeParameters, Fired, StepStatus};
+pub use execution::ExecutionKind;
 pub use findings::{Finding, Findings};
 pub use frames::{RecordingEnds, RecordingRequest};
 pub use load::{LoadRequest, TaskEntry};

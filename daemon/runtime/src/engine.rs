@@ -11,6 +11,7 @@ use crate::api::Supervision;
 use crate::body::Frame;
 use crate::control::window::Window;
 use crate::control::{Control, Stage};
+use crate::executor::Executor;
 use crate::lock::{Guard, lock};
 use crate::shared::Shared;
 use crate::task::driven::DrivenTask;
@@ -40,6 +41,8 @@ pub(crate) struct Engine {
     spare: Mutex<Indexed<ServiceIx, Vec<Box<dyn Frame>>>>,
     /// Tasks of an instance on a virtual clock.
     pub(crate) driven: Option<Mutex<Vec<DrivenTask>>>,
+    /// The thread that it shares with other instances, if it does.
+    pub(crate) single: Option<Arc<Executor>>,
     /// Date of the last value of the state port.
     pub(crate) state_written: AtomicU64,
     /// Averages over about the last ten seconds, by task. Locked while the state port is written.
@@ -102,6 +105,7 @@ impl Engine {
         shared: Arc<Shared>,
         control: Control,
         driven: Option<Vec<DrivenTask>>,
+        single: Option<Arc<Executor>>,
     ) -> Self {
         let spare = shared.plan.services().map(|_, _| Vec::new());
         let tasks = shared.tasks.iter().map(|_| Window::default()).collect();
@@ -118,6 +122,7 @@ impl Engine {
             quiet: Condvar::new(),
             spare: Mutex::new(spare),
             driven: driven.map(Mutex::new),
+            single,
             state_written: AtomicU64::default(),
             recent: Mutex::new(tasks),
             everything: Mutex::new(()),
@@ -161,7 +166,7 @@ impl Engine {
                 service: entry.service.map(|service| model.services[service].name.clone()),
                 task: model.tasks[entry.task].name.clone(),
                 phase,
-                state: model.states.get(usize::from(state)).cloned().unwrap_or_default(),
+                state: model.states.get(state).cloned().unwrap_or_default(),
                 paused,
                 stopped_by: entry.by.clone(),
             })

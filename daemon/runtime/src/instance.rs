@@ -21,6 +21,7 @@ use crate::start::StartError;
 use crate::statistics::{CodelStatistics, Statistics, TaskStatistics};
 use crate::ticket::Ticket;
 use crate::unpaused::Unpaused;
+use crate::waits::CannotWait;
 
 /// Timeout of the shutdown when an instance is dropped without one.
 const LAST_CHANCE: Duration = Duration::from_secs(1);
@@ -97,6 +98,16 @@ impl Instance {
         self.engine.withdraw(service, ticket).then_some(held_up)
     }
 
+    /// Whether the calling thread may wait for the outcome of a request of this service. With
+    /// [`Execution::Single`](crate::Execution::Single) the shared thread, on which a codel calls a
+    /// service of another component, would have to serve the request itself.
+    ///
+    /// # Errors
+    /// It would wait for ever.
+    pub fn may_wait_here(&self, service: ServiceIx) -> Result<(), CannotWait> {
+        self.engine.may_wait_here(service)
+    }
+
     /// Asks an activity to stop on behalf of its client; it ends with `interrupted { by: "client"
     /// }`.
     ///
@@ -155,7 +166,8 @@ impl Instance {
     }
 
     /// Rounds of the control thread so far. `None` when there is no such thread: on a virtual
-    /// clock, and once the instance has stopped.
+    /// clock, with [`Execution::Single`](crate::Execution::Single), and once the instance has
+    /// stopped.
     #[must_use]
     pub fn control_rounds(&self) -> Option<u64> {
         self.engine.shared.control.get()?;

@@ -5,8 +5,9 @@
 //! through the traits of [`body`]. It knows no middleware and does no I/O of its own.
 //!
 //! Each task has a thread, which shares with the others only atomics, wait-free rings and the
-//! exclusion. Requests are served by control workers, in order for each service. With a
-//! [`VirtualClock`] there are no threads: the thread that steps the clock runs the tasks.
+//! exclusion. Requests are served by control workers, in order for each service. With
+//! [`Execution::Single`] one thread does all this for many instances. With a [`VirtualClock`] there
+//! are no threads: the thread that steps the clock runs the tasks.
 
 #![forbid(unsafe_code)]
 
@@ -19,10 +20,12 @@ mod cycles;
 mod driven;
 mod engine;
 pub mod exclusion;
+mod executor;
 mod figures;
 mod histogram;
 mod instance;
 mod lock;
+mod member;
 mod options;
 pub mod plan;
 mod running;
@@ -34,10 +37,11 @@ mod stuck;
 mod task;
 mod ticket;
 mod unpaused;
+mod waits;
 mod watcher;
 
-/// Indices of the codels, ports, services and tasks of a component.
-pub use genom_description::model::{CodelIx, Indexed, Ix, PortIx, ServiceIx, TaskIx};
+/// Indices of the codels, ports, services, states and tasks of a component.
+pub use genom_description::model::{CodelIx, Indexed, Ix, PortIx, ServiceIx, StateIx, TaskIx};
 
 pub use api::{
     ConnectionError, Exception, Inputs, OnShutdown, Outcome, Partial, Progress, Reply, Supervision,
@@ -45,9 +49,10 @@ pub use api::{
 };
 pub use clock::{Clock, VirtualClock, nanos};
 pub use engine::{ActivityPhase, ActivityStatus, NoSuchActivity};
+pub use executor::Executor;
 pub use histogram::Durations;
 pub use instance::{Instance, NoSuchEvent};
-pub use options::{ACTIVITY_LIMIT, GiveUp, Options, STUCK_AFTER, TaskOptions};
+pub use options::{ACTIVITY_LIMIT, Execution, GiveUp, Options, STUCK_AFTER, TaskOptions};
 pub use plan::{Plan, PlanError};
 pub use running::{HeldUp, RunningCodel, seconds};
 pub use shutdown::ShutdownError;
@@ -55,4 +60,5 @@ pub use start::StartError;
 pub use statistics::{CodelStatistics, Statistics, TaskStatistics};
 pub use ticket::Ticket;
 pub use unpaused::Unpaused;
+pub use waits::CannotWait;
 pub use watcher::{Change, Watcher};

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use crate::api::Supervision;
 use crate::clock::Clock;
+use crate::executor::Executor;
 use crate::watcher::Watcher;
 
 /// Default limit on the activities of services that one task runs at the same time (genom3.md D).
@@ -14,6 +15,20 @@ pub const ACTIVITY_LIMIT: usize = 16;
 
 /// Asked while waiting: true to stop waiting.
 pub type GiveUp = Arc<dyn Fn() -> bool + Send + Sync>;
+
+/// Which threads execute the tasks and the control work of an instance.
+///
+/// On a [virtual clock](Clock::Virtual) this makes no difference: the thread that steps the clock
+/// executes everything, so that a component makes the same sequence of codel calls.
+#[derive(Clone, Debug, Default)]
+pub enum Execution {
+    /// A thread for each task, one for control, and further ones for requests.
+    #[default]
+    Threads,
+    /// One thread, which the instance shares with all others of this executor. What is due is done
+    /// one after the other in the order of deadlines: passes of tasks, and requests between them.
+    Single(Arc<Executor>),
+}
 
 /// Options of an instance. Not `Clone`, since they belong to one instance.
 pub struct Options {
@@ -23,6 +38,8 @@ pub struct Options {
     pub supervision: Arc<dyn Supervision>,
     /// Real time, or a clock that is stepped.
     pub clock: Clock,
+    /// Which threads execute it.
+    pub execution: Execution,
     /// Limit on the activities of services that one task runs at the same time; the permanent one
     /// is not counted.
     pub activity_limit: usize,
@@ -68,6 +85,7 @@ impl Options {
             name: name.into(),
             supervision,
             clock: Clock::Monotonic,
+            execution: Execution::Threads,
             activity_limit: ACTIVITY_LIMIT,
             tasks: HashMap::new(),
             watcher: None,
@@ -84,6 +102,7 @@ impl fmt::Debug for Options {
         f.debug_struct("Options")
             .field("name", &self.name)
             .field("clock", &self.clock)
+            .field("execution", &self.execution)
             .field("activity_limit", &self.activity_limit)
             .field("tasks", &self.tasks)
             .finish_non_exhaustive()

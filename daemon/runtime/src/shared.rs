@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread::Thread;
 
-use genom_description::model::{CodelIx, Indexed, Owner, TaskIx};
+use genom_description::model::{CodelIx, Indexed, Owner, StateIx, TaskIx};
 use rtrb::Producer;
 
 use crate::at_work::AtWork;
@@ -15,6 +15,7 @@ use crate::exclusion::Exclusion;
 use crate::figures::{CodelFigures, TaskFigures};
 use crate::histogram::Counter;
 use crate::plan::Plan;
+use crate::task::call::Call;
 use crate::task::hurry::Hurry;
 use crate::task::timing::Timing;
 
@@ -32,6 +33,8 @@ pub(crate) struct Shared {
     pub(crate) at_work: Box<[AtWork]>,
     /// The control thread, once it runs; there is none with a virtual clock.
     pub(crate) control: OnceLock<Thread>,
+    /// Reaches the thread that the instance shares with others, if it does.
+    pub(crate) call: Option<Arc<Call>>,
     /// Whether there is something for control to process.
     pub(crate) attention: AtomicBool,
     /// Notices dropped because the ring was full.
@@ -55,6 +58,8 @@ pub(crate) struct TaskShared {
     /// Whether the first codel of the permanent activity has run.
     started: AtomicBool,
     thread: OnceLock<Thread>,
+    /// Reaches the thread in place of `thread` if the task shares it with those of others.
+    call: Option<Arc<Call>>,
     /// Thread id of the system; 0 while there is no thread.
     thread_number: AtomicU32,
     /// The thread that waits for `started`.
@@ -64,7 +69,7 @@ pub(crate) struct TaskShared {
 /// What a task reports to watchers, through control.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Notice {
-    Moved { activity: u32, state: usize, paused: bool },
+    Moved { activity: u32, state: StateIx, paused: bool },
     Overrun { task: TaskIx, ticks: u64 },
 }
 
@@ -74,6 +79,7 @@ impl Shared {
         body: Arc<dyn Body>,
         clock: Clock,
         timings: Indexed<TaskIx, Option<Timing>>,
+        call: Option<Arc<Call>>,
     ) -> Self {
         let model = plan.component();
         let sinks = model.sinks.len().div_ceil(64);
@@ -83,11 +89,15 @@ impl Shared {
             body,
             clock,
             exclusion: Exclusion::new(plan.nodes(), contexts),
-            tasks: timings.into_iter().map(|timing| TaskShared::new(timing, sinks)).collect(),
+            tasks: timings
+                .into_iter()
+                .map(|timing| TaskShared::new(timing, sinks, call.clone()))
+                .collect(),
             codels: model.codels.iter().map(|_| CodelFigures::default()).collect(),
             wcet: model.codels.iter().map(|codel| codel.wcet.map_or(u64::MAX, nanos)).collect(),
             at_work: (0..contexts).map(|_| AtWork::default()).collect(),
             control: OnceLock::new(),
+            call,
             attention: AtomicBool::new(false),
             lost: Counter::default(),
             plan: Arc::clone(plan),
@@ -126,10 +136,13 @@ impl Shared {
     }
 
     pub(crate) fn wake_control(&self) {
-        if !self.attention.swap(true, Ordering::AcqRel)
-            && let Some(thread) = self.control.get()
-        {
-            thread.unpark();
+        if self.attention.swap(true, Ordering::AcqRel) {
+            return;
+        }
+        match (&self.call, self.control.get()) {
+            (Some(call), _) => call.ring(),
+            (None, Some(thread)) => thread.unpark(),
+            (None, None) => {}
         }
     }
 
@@ -151,7 +164,7 @@ impl Shared {
 }
 
 impl TaskShared {
-    fn new(timing: Option<Timing>, sinks: usize) -> Self {
+    fn new(timing: Option<Timing>, sinks: usize, call: Option<Arc<Call>>) -> Self {
         Self {
             timing,
             figures: TaskFigures::default(),
@@ -163,6 +176,7 @@ impl TaskShared {
             fired: (0..sinks).map(|_| AtomicU64::new(0)).collect(),
             started: AtomicBool::new(false),
             thread: OnceLock::new(),
+            call,
             thread_number: AtomicU32::new(0),
             starter: OnceLock::new(),
         }
@@ -177,15 +191,22 @@ impl TaskShared {
     }
 
     fn unpark(&self) {
-        if let Some(thread) = self.thread.get() {
-            thread.unpark();
+        match (&self.call, self.thread.get()) {
+            (Some(call), _) => call.ring(),
+            (None, Some(thread)) => thread.unpark(),
+            (None, None) => {}
         }
+    }
+
+    /// Records the number of the calling thread as that of the task.
+    pub(crate) fn set_thread_number(&self) {
+        let number = rustix::thread::gettid().as_raw_nonzero().get().unsigned_abs();
+        self.thread_number.store(number, Ordering::Relaxed);
     }
 
     /// Records the calling thread as that of the task.
     pub(crate) fn set_thread(&self) {
-        let number = rustix::thread::gettid().as_raw_nonzero().get().unsigned_abs();
-        self.thread_number.store(number, Ordering::Relaxed);
+        self.set_thread_number();
         let _ = self.thread.set(std::thread::current());
         // Makes up for wake-ups from before there was a thread.
         self.unpark();
@@ -232,7 +253,12 @@ impl TaskShared {
     pub(crate) fn hurry(&self) {
         self.runnable.store(true, Ordering::Release);
         match self.timing {
-            Some(_) => self.hurry.get_up(),
+            Some(_) => {
+                self.hurry.get_up();
+                if let Some(call) = &self.call {
+                    call.ring();
+                }
+            }
             None => self.unpark(),
         }
     }
@@ -257,7 +283,7 @@ impl TaskShared {
 
     /// Takes the states of the external events fired since the last call.
     #[inline]
-    pub(crate) fn take_fired(&self, plan: &Plan, into: &mut Vec<u16>) {
+    pub(crate) fn take_fired(&self, plan: &Plan, into: &mut Vec<StateIx>) {
         into.clear();
         for (word, bits) in self.fired.iter().enumerate() {
             if bits.load(Ordering::Relaxed) == 0 {
@@ -267,8 +293,7 @@ impl TaskShared {
             while bits != 0 {
                 let sink = word * 64 + bits.trailing_zeros() as usize;
                 bits &= bits - 1;
-                let state = plan.component().sinks.get(sink).map(|sink| sink.state);
-                into.extend(state.and_then(|state| u16::try_from(state).ok()));
+                into.extend(plan.component().sinks.get(sink).map(|sink| sink.state));
             }
         }
     }

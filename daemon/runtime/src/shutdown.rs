@@ -234,7 +234,7 @@ impl Engine {
             if left.is_zero() {
                 return false;
             }
-            let alone = self.shared.control.get().is_none();
+            let alone = self.single.is_none() && self.shared.control.get().is_none();
             if alone && self.driven.is_none() {
                 drop(control);
                 self.attend();
@@ -276,11 +276,12 @@ impl Engine {
             let name = activity.service.unwrap_or(activity.task);
             format!("{name} ({})", activity.id)
         });
-        ShutdownError {
-            instance: self.name.clone(),
-            codels: self.running_codels(),
-            activities: activities.collect(),
+        let mut codels = self.running_codels();
+        if codels.is_empty() {
+            // A codel of another instance may have the thread that this one shares.
+            codels.extend(self.single.as_ref().and_then(|executor| executor.running()));
         }
+        ShutdownError { instance: self.name.clone(), codels, activities: activities.collect() }
     }
 
     fn join(&self) {
@@ -291,6 +292,11 @@ impl Engine {
             if thread.thread().id() != std::thread::current().id() {
                 let _ = thread.join();
             }
+        }
+        if let (Some(executor), Some(call)) = (&self.single, &self.shared.call)
+            && !executor.is_here()
+        {
+            call.wait_until_gone();
         }
     }
 }

@@ -11,10 +11,11 @@ use crate::body::Body;
 use crate::clock::{Clock, nanos};
 use crate::control::{Control, Entry, Phase, Stage, TaskLink};
 use crate::engine::Engine;
+use crate::executor::Member;
 use crate::lock::lock;
-use crate::options::{GiveUp, Options, TaskOptions};
+use crate::options::{Execution, GiveUp, Options, TaskOptions};
 use crate::plan::Plan;
-use crate::running::seconds;
+use crate::running::{RunningCodel, seconds};
 use crate::shared::Shared;
 use crate::task::driven::DrivenTask;
 use crate::task::runner::{Runner, TaskSide};
@@ -58,6 +59,19 @@ pub enum StartError {
         /// The timeout that passed.
         after: Duration,
     },
+    /// A codel of another instance, which does not return, has the thread that the task shares.
+    #[error(
+        "task {task} of {instance} does not start: {by} has the one thread of all tasks \
+         (execution = \"single\")"
+    )]
+    HeldUp {
+        /// The instance.
+        instance: String,
+        /// The task.
+        task: String,
+        /// The codel; its owner is `INSTANCE/OWNER`.
+        by: Box<RunningCodel>,
+    },
     /// The system provides no thread.
     #[error(
         "task {task} of {instance} has no thread: {source} (the limits of threads are `ulimit -u`, \
@@ -97,10 +111,23 @@ impl Engine {
         for name in options.tasks.keys() {
             tracing::warn!(instance = options.name, "there is no task `{name}` to configure");
         }
-        let epoch = clock.now();
+        let single = match (&clock, &options.execution) {
+            (Clock::Monotonic, Execution::Single(executor)) => Some(Arc::clone(executor)),
+            (Clock::Virtual(_), _) | (_, Execution::Threads) => None,
+        };
+        if let Some(executor) = &single {
+            scheduling::tell_not_applied(&options.name, model, &of_task, STACK);
+            executor.open().map_err(|source| StartError::NoThread {
+                instance: options.name.clone(),
+                task: model.tasks.iter().next().map_or_else(String::new, |task| task.name.clone()),
+                source,
+            })?;
+        }
+        let call = single.as_ref().map(|executor| Arc::new(executor.call()));
+        let epoch = single.as_ref().map_or_else(|| clock.now(), |executor| executor.epoch());
         let timings =
             model.tasks.iter().zip(&of_task).map(|(task, o)| timing(task, o, epoch)).collect();
-        let shared = Arc::new(Shared::new(plan, body, clock.clone(), timings));
+        let shared = Arc::new(Shared::new(plan, body, clock.clone(), timings, call));
         let watched = options.watcher.is_some();
         let (links, sides): (Vec<_>, Vec<_>) =
             model.tasks.iter().map(|_| rings(options.activity_limit, watched)).unzip();
@@ -111,10 +138,11 @@ impl Engine {
         let patience = Patience { timeout: options.start_timeout, give_up: options.give_up.take() };
         let virtual_time = matches!(clock, Clock::Virtual(_));
         let driven = virtual_time.then(|| Vec::with_capacity(runners.len()));
-        let engine = Arc::new(Self::new(options, shared, control, driven));
+        let engine = Arc::new(Self::new(options, shared, control, driven, single));
         engine.write_state();
+        let seat = engine.enter_executor();
         for (runner, task_options) in runners.into_iter().zip(of_task) {
-            let started = engine.start_task(runner, task_options, &patience);
+            let started = engine.start_task(runner, task_options, &patience, seat);
             if let Err(error) = started.and_then(|()| engine.check_failure()) {
                 if let Err(hang) = engine.shutdown(UNDO) {
                     tracing::error!(instance = engine.name, "{hang}");
@@ -133,6 +161,7 @@ impl Engine {
         runner: Runner,
         options: TaskOptions,
         patience: &Patience,
+        seat: Option<u64>,
     ) -> Result<(), StartError> {
         let rank = runner.task();
         self.send_permanent(rank, false);
@@ -144,12 +173,24 @@ impl Engine {
         }
         let me = &self.shared.tasks[rank];
         me.set_starter(std::thread::current());
-        self.spawn(runner, options)?;
+        match (&self.single, seat) {
+            (Some(executor), Some(seat)) => executor.add_task(seat, runner),
+            _ => self.spawn(runner, options)?,
+        }
         let begin = Instant::now();
         while !me.is_started() {
             let spent = begin.elapsed();
             if patience.is_over(spent) {
                 let model = self.shared.plan.component();
+                let none_here = self.shared.current(rank.index()).is_none();
+                let other = self.single.as_ref().and_then(|executor| executor.running());
+                if let Some(by) = other.filter(|_| none_here) {
+                    return Err(StartError::HeldUp {
+                        instance: self.name.clone(),
+                        task: model.tasks[rank].name.clone(),
+                        by: Box::new(by),
+                    });
+                }
                 let codel =
                     self.shared.current(rank.index()).map(|codel| model.codels[codel].name.clone());
                 return Err(StartError::Hangs {
@@ -165,6 +206,15 @@ impl Engine {
             }
         }
         Ok(())
+    }
+
+    /// Takes part in the thread that it shares with other instances, if it does.
+    fn enter_executor(self: &Arc<Self>) -> Option<u64> {
+        let (executor, call) = (self.single.as_ref()?, self.shared.call.as_ref()?);
+        // The shared thread counts as one thread of the instance, until it has released it.
+        self.lock().alive += 1;
+        let member: Arc<dyn Member> = Arc::<Self>::clone(self);
+        Some(executor.enter(member, &self.shared, call))
     }
 
     /// Creates the permanent activity of a task, and sends it to the task.
@@ -240,6 +290,9 @@ impl Engine {
             let engine: Arc<dyn crate::clock::Driven> = Arc::<Self>::clone(self);
             clock.drive(Arc::downgrade(&engine));
             return;
+        }
+        if let Some(call) = &self.shared.call {
+            return call.ring();
         }
         let engine = Arc::clone(self);
         let name = format!("{}:control", self.name);

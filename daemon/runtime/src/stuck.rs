@@ -106,6 +106,11 @@ impl Engine {
 
     /// The stuck codel that keeps requests of a service from being served, if there is one.
     pub(crate) fn holds_up_service(&self, service: ServiceIx) -> Option<HeldUp> {
+        if let Some(executor) = &self.single {
+            // Whichever codel it is, it has the thread that has to serve the request.
+            let by = executor.running().filter(|codel| codel.stuck)?;
+            return Some(HeldUp { instance: self.name.clone(), by: Some(Box::new(by)) });
+        }
         let plan = &self.shared.plan;
         let (nodes, model) = (plan.nodes(), &plan.component().services[service]);
         let ours = model.validates.iter().chain(&model.codels).map(|&codel| nodes.codel(codel));

@@ -1,6 +1,7 @@
 //! Changes inside an instance, for watchers.
 
-use genom_description::model::{ServiceIx, TaskIx};
+use genom_description::model::{ServiceIx, StateIx, TaskIx};
+
 /// A change inside an instance.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Change {
@@ -15,8 +16,8 @@ pub enum Change {
     Moved {
         /// Id of the activity.
         activity: u32,
-        /// The new state, by index in the component's states.
-        state: usize,
+        /// The new state.
+        state: StateIx,
         /// Whether it pauses before its codel runs.
         paused: bool,
     },

@@ -120,7 +120,7 @@ fn a_watcher_sees_each_activity_from_acceptance_to_end_in_order() {
         assert_eq!(next(&job), format!("accepted {activity}"));
         assert_eq!(next(&job), "done");
         let service = body.plan.service("job").unwrap();
-        let state = body.plan.component().states.iter().position(|s| s == "main").unwrap();
+        let state = body.plan.component().state("main").unwrap();
         let mut seen = Vec::new();
         while !matches!(seen.last(), Some(Change::Ended { .. })) {
             let change = changes.recv_timeout(LONG).unwrap();

@@ -5,6 +5,9 @@
 mod support;
 
 use std::path::PathBuf;
+use std::sync::Arc;
+
+use genom_runtime::{Execution, Executor};
 
 fn directory() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/scenarios")
@@ -14,7 +17,7 @@ fn directory() -> PathBuf {
 fn check(name: &str) {
     let path = directory().join(format!("{name}.txt"));
     let expected = std::fs::read_to_string(&path).unwrap();
-    let found = support::transcript::replay(&expected);
+    let found = support::transcript::replay(&expected, &Execution::Threads);
     if std::env::var_os("UPDATE_EXPECT").is_some() {
         std::fs::write(&path, &found).unwrap();
     } else if expected != found {
@@ -22,6 +25,9 @@ fn check(name: &str) {
         let line = first.unwrap_or_else(|| expected.lines().count().min(found.lines().count())) + 1;
         panic!("{}:{line} differs. Found:\n{found}", path.display());
     }
+    // The same sequence, and no thread, whatever executes components in real time.
+    let single = Execution::Single(Arc::new(Executor::new("scenario")));
+    assert_eq!(support::transcript::replay(&expected, &single), found, "{name} in one thread");
 }
 
 macro_rules! scenarios {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use genom_configuration::{ClockKind, Config, Offers};
+use genom_configuration::{ClockKind, Config, ExecutionKind, Offers};
 
 /// Settings that apply to all components of a supervisor.
 #[derive(Clone, Debug)]
@@ -19,6 +19,8 @@ pub struct Settings {
     pub include: Vec<PathBuf>,
     /// The clock of the components.
     pub clock: ClockKind,
+    /// Which threads execute the components.
+    pub execution: ExecutionKind,
     /// How long the start codel of a task may take before loading fails.
     pub start_timeout: Duration,
     /// How long a component may take to stop before it is left behind.
@@ -41,6 +43,7 @@ impl From<Config> for Settings {
             path: config.path,
             include: config.include,
             clock: config.clock,
+            execution: config.execution,
             start_timeout: Duration::from_secs(config.start_timeout),
             stop_timeout: Duration::from_secs(config.stop_timeout),
             stuck_after: Duration::from_secs(config.stuck_after),

@@ -3,10 +3,10 @@
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-use genom_configuration::ClockKind;
+use genom_configuration::{ClockKind, ExecutionKind};
 use genom_ports::dates::Dates;
 use genom_registry::Backends;
-use genom_runtime::{Clock, VirtualClock};
+use genom_runtime::{Clock, Execution, Executor, VirtualClock};
 
 use crate::bus::{Bus, Change};
 use crate::components::{Components, Hosted, UnloadError};
@@ -29,6 +29,8 @@ pub struct Supervisor {
     pub components: Arc<Components>,
     /// The clock of all components.
     pub clock: Clock,
+    /// Which threads execute the components.
+    pub execution: Execution,
     /// Where changes are reported.
     pub bus: Arc<Bus>,
     /// The running recordings.
@@ -54,6 +56,10 @@ impl Supervisor {
             ClockKind::Monotonic => Clock::Monotonic,
             ClockKind::Virtual => Clock::Virtual(Arc::new(VirtualClock::new())),
         };
+        let execution = match settings.execution {
+            ExecutionKind::Threads => Execution::Threads,
+            ExecutionKind::Single => Execution::Single(Arc::new(Executor::new("genomd-tasks"))),
+        };
         let dates = Dates::of(&clock);
         let backends = Arc::new(Backends::new(settings.backends.clone()));
         let components = Arc::new(Components::default());
@@ -72,6 +78,7 @@ impl Supervisor {
             components,
             connections,
             clock,
+            execution,
             bus,
             recordings,
             deploying: Mutex::default(),

@@ -10,7 +10,7 @@ use super::room;
 use super::scope::{Entity, ScopeKind};
 use super::state::{Body, BodyId};
 use crate::diagnostic::Diagnostic;
-use crate::model::{Dialect, Span};
+use crate::model::{Dialect, Ix as _, Span, StateIx};
 use crate::syntax::{self, Export, IdsDeclaration, Name};
 
 impl Checker {
@@ -120,16 +120,16 @@ impl Checker {
 
     /// Index of the state with this name, added if new.
     // genom3.md 3.7 K6.
-    pub(super) fn state(&mut self, id: BodyId, name: &Name) -> Option<usize> {
+    pub(super) fn state(&mut self, id: BodyId, name: &Name) -> Option<StateIx> {
         if let Some(rank) = self.bodies[id].states.get_index_of(&name.text) {
-            return Some(rank);
+            return Some(StateIx::new(rank));
         }
         let scope = self.bodies[id].scope;
         if !self.declare_in(scope, name, Entity::State, "E0706") {
             return None;
         }
         let (rank, _) = self.bodies[id].states.insert_full(name.text.clone(), name.span);
-        Some(rank)
+        Some(StateIx::new(rank))
     }
 
     // dialects.md A.

@@ -10,7 +10,7 @@ use super::attribute::direction;
 use super::facts::Shape;
 use super::state::{Argument, Body, BodyId, CodelParameter, CodelState, Prototype, Role, Service};
 use crate::diagnostic::Diagnostic;
-use crate::model::{Dialect, Direction, Ix as _, PortIx, RemoteIx, Source, Span, Yield};
+use crate::model::{Dialect, Direction, Ix as _, PortIx, RemoteIx, Source, Span, StateIx, Yield};
 use crate::syntax::{self, Codel, Name, Qualifier, Variable};
 
 impl Checker {
@@ -80,8 +80,8 @@ impl Checker {
     }
 
     // genom3.md 3.7 K3, K4.
-    fn triggers(&mut self, id: BodyId, events: &[syntax::Event]) -> Vec<usize> {
-        let mut states: Vec<usize> = Vec::new();
+    fn triggers(&mut self, id: BodyId, events: &[syntax::Event]) -> Vec<StateIx> {
+        let mut states: Vec<StateIx> = Vec::new();
         for event in events {
             let name = &event.name;
             if event.pause {

@@ -9,7 +9,7 @@ use super::Checker;
 use crate::diagnostic::Diagnostic;
 use crate::model::{
     Codel, CodelIx, CodelKind, Component, Direction, Indexed, Node, Owner, PathStep, PortIx,
-    ServiceIx, ServiceKind, Source, TaskIx,
+    ServiceIx, ServiceKind, Source, StateIx, TaskIx,
 };
 
 /// The task that runs a codel; `None` for the control task.
@@ -316,7 +316,7 @@ impl Checker {
 fn start_and_stop(component: &Component) -> HashSet<CodelIx> {
     let mut exempt = HashSet::new();
     for task in &component.tasks {
-        let mut by_state: HashMap<usize, CodelIx> = HashMap::new();
+        let mut by_state: HashMap<StateIx, CodelIx> = HashMap::new();
         for ix in &task.codels {
             if let Some(CodelKind::Fsm { triggers, .. }) =
                 component.codels.get(*ix).map(|codel| &codel.kind)
@@ -324,8 +324,7 @@ fn start_and_stop(component: &Component) -> HashSet<CodelIx> {
                 triggers.iter().for_each(|state| _ = by_state.entry(*state).or_insert(*ix));
             }
         }
-        let start = component.states.iter().position(|name| name == "start");
-        let start = start.and_then(|state| by_state.get(&state).copied());
+        let start = component.state("start").and_then(|state| by_state.get(&state).copied());
         let mut seen: HashSet<CodelIx> = start.into_iter().collect();
         let mut todo: Vec<CodelIx> = start.into_iter().collect();
         while let Some(ix) = todo.pop() {

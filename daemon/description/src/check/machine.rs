@@ -6,7 +6,7 @@ use std::collections::{HashMap, HashSet};
 use super::Checker;
 use super::state::{BodyId, CodelState};
 use crate::diagnostic::Diagnostic;
-use crate::model::{Dialect, Span};
+use crate::model::{Dialect, Ix as _, Span, StateIx};
 use crate::syntax::ServiceKind;
 
 impl Checker {
@@ -53,9 +53,9 @@ impl Checker {
     }
 
     /// Whether a state needs no codel: `ether`, and `sleep` where there are external events.
-    fn is_final(&self, id: BodyId, state: usize) -> bool {
+    fn is_final(&self, id: BodyId, state: StateIx) -> bool {
         let body = &self.bodies[id];
-        match body.states.get_index(state).map(|(name, _)| &**name) {
+        match body.states.get_index(state.index()).map(|(name, _)| &**name) {
             Some("ether") => true,
             // dialects.md A.
             Some("sleep") => body.dialect != Dialect::Current || !body.sinks.is_empty(),
@@ -64,7 +64,7 @@ impl Checker {
     }
 
     fn check_machine(&mut self, id: BodyId, codels: &[CodelState], activity: Option<(&str, Span)>) {
-        let mut by_state: HashMap<usize, usize> = HashMap::new();
+        let mut by_state: HashMap<StateIx, usize> = HashMap::new();
         for (rank, codel) in codels.iter().enumerate() {
             for &state in &codel.triggers {
                 let Some(&other) = by_state.get(&state) else {
@@ -79,11 +79,11 @@ impl Checker {
                 );
             }
         }
-        let named = |name: &str| self.bodies[id].states.get_index_of(name);
+        let named = |name: &str| self.bodies[id].states.get_index_of(name).map(StateIx::new);
         let (ether, start, stop) = (named("ether"), named("start"), named("stop"));
-        let has = |state: Option<usize>| state.filter(|state| by_state.contains_key(state));
+        let has = |state: Option<StateIx>| state.filter(|state| by_state.contains_key(state));
         let (start, stop) = (has(start), has(stop));
-        let sinks: Vec<usize> =
+        let sinks: Vec<StateIx> =
             self.bodies[id].sinks.keys().copied().filter(|s| by_state.contains_key(s)).collect();
         // K8.
         if let (Some((name, span)), None) = (activity, start) {
@@ -94,7 +94,7 @@ impl Checker {
             );
         }
         let count = self.diagnostics.found();
-        let roots: Vec<usize> =
+        let roots: Vec<StateIx> =
             start.into_iter().chain(stop).chain(sinks.iter().copied()).collect();
         let reached = reach(&roots, codels, &by_state);
         self.check_yields(id, codels, &by_state, &reached);
@@ -118,7 +118,7 @@ impl Checker {
         }
         // genom3.md 3.10: GenoM3 accepts it.
         if let (Some((name, span)), Some(start)) = (activity, start) {
-            let alive: Vec<usize> = std::iter::once(start).chain(sinks).collect();
+            let alive: Vec<StateIx> = std::iter::once(start).chain(sinks).collect();
             if !reach(&alive, codels, &by_state).contains(&ether) && !self.dead_end(id, codels) {
                 let message =
                     format!("activity `{name}` can never end by itself: no way to `ether`");
@@ -141,10 +141,10 @@ impl Checker {
         &mut self,
         id: BodyId,
         codels: &[CodelState],
-        by_state: &HashMap<usize, usize>,
-        reached: &HashSet<usize>,
+        by_state: &HashMap<StateIx, usize>,
+        reached: &HashSet<StateIx>,
     ) {
-        let mut said: HashSet<usize> = HashSet::new();
+        let mut said: HashSet<StateIx> = HashSet::new();
         for codel in codels {
             if !codel.triggers.iter().any(|state| reached.contains(state)) {
                 continue;
@@ -180,7 +180,7 @@ impl Checker {
     /// Reports codels that cannot be reached. A codel with several states is reached if one of them
     /// is.
     // genom3.md 3.7 K11.
-    fn check_reached(&mut self, id: BodyId, codels: &[CodelState], reached: &HashSet<usize>) {
+    fn check_reached(&mut self, id: BodyId, codels: &[CodelState], reached: &HashSet<StateIx>) {
         for codel in codels {
             let Some(&first) = codel.triggers.first() else { continue };
             if codel.triggers.iter().any(|state| reached.contains(state)) {
@@ -222,15 +222,15 @@ impl Checker {
             let tasks = body.tasks.values().flat_map(|task| &task.codels);
             tasks.chain(body.services.values().flat_map(|service| &service.codels))
         };
-        let yielded: HashSet<usize> = codels().flat_map(|c| &c.yields).map(|y| y.state).collect();
-        let mut fresh: Vec<(usize, Span)> = Vec::new();
+        let yielded: HashSet<StateIx> = codels().flat_map(|c| &c.yields).map(|y| y.state).collect();
+        let mut fresh: Vec<(StateIx, Span)> = Vec::new();
         for codel in codels() {
             for &state in &codel.triggers {
                 let name = self.state_name(id, state);
                 if matches!(name, "ether" | "start" | "stop") || yielded.contains(&state) {
                     continue;
                 }
-                if let Some((_, span)) = body.states.get_index(state) {
+                if let Some((_, span)) = body.states.get_index(state.index()) {
                     fresh.push((state, *span));
                 }
             }
@@ -240,18 +240,18 @@ impl Checker {
         }
     }
 
-    pub(super) fn state_name(&self, id: BodyId, state: usize) -> &str {
-        self.bodies[id].states.get_index(state).map_or("", |(name, _)| name)
+    pub(super) fn state_name(&self, id: BodyId, state: StateIx) -> &str {
+        self.bodies[id].states.get_index(state.index()).map_or("", |(name, _)| name)
     }
 }
 
 /// All states that can be reached from `roots`, including these.
 pub(super) fn reach(
-    roots: &[usize],
+    roots: &[StateIx],
     codels: &[CodelState],
-    by_state: &HashMap<usize, usize>,
-) -> HashSet<usize> {
-    let mut reached: HashSet<usize> = roots.iter().copied().collect();
+    by_state: &HashMap<StateIx, usize>,
+) -> HashSet<StateIx> {
+    let mut reached: HashSet<StateIx> = roots.iter().copied().collect();
     let mut todo = roots.to_vec();
     while let Some(state) = todo.pop() {
         let Some(codel) = by_state.get(&state).and_then(|rank| codels.get(*rank)) else { continue };

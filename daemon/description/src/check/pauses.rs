@@ -6,7 +6,7 @@ use std::collections::HashMap;
 
 use super::Checker;
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::model::{CodelIx, CodelKind, Component, Dialect, Task};
+use crate::model::{CodelIx, CodelKind, Component, Dialect, StateIx, Task};
 
 impl Checker {
     /// Warns of such cycles, unless errors leave the component partly unknown.
@@ -32,7 +32,7 @@ fn warning(component: &Component, task: &Task, codels: &[CodelIx]) -> Option<Dia
     task.period?;
     let machine = Machine::new(component, codels);
     let cycle = machine.cycle()?;
-    let name = |state: usize| component.states.get(state).map_or("", String::as_str);
+    let name = |state: StateIx| component.states.get(state).map_or("", String::as_str);
     let first = component.codels.get(*machine.codel.get(cycle.first()?)?)?;
     let message = match &cycle[..] {
         [state] => format!("state `{}` yields itself without a pause", name(*state)),
@@ -65,10 +65,10 @@ fn warning(component: &Component, task: &Task, codels: &[CodelIx]) -> Option<Dia
 /// The states of a machine whose codels never pause, with their successors.
 struct Machine {
     /// Codel of each state.
-    codel: HashMap<usize, CodelIx>,
+    codel: HashMap<StateIx, CodelIx>,
     /// The same states, in the order of the text.
-    states: Vec<usize>,
-    next: HashMap<usize, Vec<usize>>,
+    states: Vec<StateIx>,
+    next: HashMap<StateIx, Vec<StateIx>>,
 }
 
 impl Machine {
@@ -96,15 +96,15 @@ impl Machine {
     }
 
     /// States that form a cycle, if there is one.
-    fn cycle(&self) -> Option<Vec<usize>> {
+    fn cycle(&self) -> Option<Vec<StateIx>> {
         // Removes states without successors, repeatedly: they are in no cycle.
-        let mut left: HashMap<usize, usize> =
+        let mut left: HashMap<StateIx, usize> =
             self.next.iter().map(|(state, follow)| (*state, follow.len())).collect();
-        let mut before: HashMap<usize, Vec<usize>> = HashMap::new();
+        let mut before: HashMap<StateIx, Vec<StateIx>> = HashMap::new();
         for (state, follow) in &self.next {
             follow.iter().for_each(|after| before.entry(*after).or_default().push(*state));
         }
-        let mut ends: Vec<usize> =
+        let mut ends: Vec<StateIx> =
             left.iter().filter(|(_, count)| **count == 0).map(|(state, _)| *state).collect();
         while let Some(end) = ends.pop() {
             left.remove(&end);
@@ -117,12 +117,12 @@ impl Machine {
             }
         }
         // Every remaining state has a successor: following them must repeat a state.
-        let mut way: Vec<usize> = Vec::new();
-        let mut place: HashMap<usize, usize> = HashMap::new();
+        let mut way: Vec<StateIx> = Vec::new();
+        let mut place: HashMap<StateIx, usize> = HashMap::new();
         let mut state = *self.states.iter().find(|state| left.contains_key(*state))?;
         loop {
             if let Some(begin) = place.insert(state, way.len()) {
-                return way.get(begin..).map(<[usize]>::to_vec);
+                return way.get(begin..).map(<[StateIx]>::to_vec);
             }
             way.push(state);
             state = *self.next.get(&state)?.iter().find(|next| left.contains_key(*next))?;
@@ -130,7 +130,7 @@ impl Machine {
     }
 
     /// States outside a cycle that its codels may yield.
-    fn ways_out(&self, component: &Component, cycle: &[usize]) -> Vec<usize> {
+    fn ways_out(&self, component: &Component, cycle: &[StateIx]) -> Vec<StateIx> {
         let codels = cycle.iter().filter_map(|state| component.codels.get(*self.codel.get(state)?));
         let yields = codels.filter_map(|codel| match &codel.kind {
             CodelKind::Fsm { yields, .. } => Some(yields),

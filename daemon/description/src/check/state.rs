@@ -8,7 +8,8 @@ use indexmap::{IndexMap, IndexSet};
 
 use super::scope::ScopeId;
 use crate::model::{
-    Default as DefaultValue, Dialect, Direction, PathStep, PortIx, RemoteIx, Source, Span, Yield,
+    Default as DefaultValue, Dialect, Direction, PathStep, PortIx, RemoteIx, Source, Span, StateIx,
+    Yield,
 };
 use crate::syntax::{Codel, Name, Qualifier, ServiceKind, Variable};
 
@@ -46,7 +47,7 @@ pub(super) struct Body {
     pub(super) services: IndexMap<Rc<str>, Service>,
     pub(super) states: IndexMap<Rc<str>, Span>,
     /// External events: states by rank, and where they are declared.
-    pub(super) sinks: IndexMap<usize, Span>,
+    pub(super) sinks: IndexMap<StateIx, Span>,
     /// Tasks and services that changed since the body was last closed.
     pub(super) touched_tasks: HashSet<usize>,
     pub(super) touched_services: HashSet<usize>,
@@ -139,7 +140,7 @@ pub(super) struct CodelState {
     pub(super) syntax: Rc<Codel>,
     pub(super) role: Role,
     pub(super) parameters: Vec<CodelParameter>,
-    pub(super) triggers: Vec<usize>,
+    pub(super) triggers: Vec<StateIx>,
     pub(super) yields: Vec<Yield>,
     pub(super) wcet: Option<f64>,
 }

@@ -6,7 +6,7 @@ use super::Checker;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::model::{
     Codel, CodelIx, CodelKind, Component, Direction, Owner, PathStep, Service, ServiceKind, Source,
-    Span,
+    Span, StateIx,
 };
 
 impl Checker {
@@ -65,10 +65,10 @@ fn run_later<'m>(component: &'m Component, service: &Service, before: CodelIx) -
         return after.filter_map(|rank| component.codels.get(*rank)).collect();
     };
     // Also the `stop` codel, after an interruption, and those of external events.
-    let stop = component.states.iter().position(|state| state == "stop");
+    let stop = component.state("stop");
     let sinks = component.sinks.iter().map(|sink| sink.state);
-    let mut todo: Vec<usize> = yields.iter().map(|y| y.state).chain(stop).chain(sinks).collect();
-    let mut reached: HashSet<usize> = todo.iter().copied().collect();
+    let mut todo: Vec<StateIx> = yields.iter().map(|y| y.state).chain(stop).chain(sinks).collect();
+    let mut reached: HashSet<StateIx> = todo.iter().copied().collect();
     let mut later = Vec::new();
     while let Some(state) = todo.pop() {
         for codel in all() {
@@ -123,21 +123,18 @@ fn warn_unused(component: &Component, out: &mut Diagnostics) {
 /// at once.
 fn warn_endless(component: &Component, out: &mut Diagnostics) {
     for service in component.services.iter().filter(|s| s.kind == ServiceKind::Activity) {
-        let mut next: HashMap<usize, Vec<usize>> = HashMap::new();
+        let mut next: HashMap<StateIx, Vec<StateIx>> = HashMap::new();
         for codel in service.codels.iter().filter_map(|rank| component.codels.get(*rank)) {
             let CodelKind::Fsm { triggers, yields } = &codel.kind else { continue };
             for trigger in triggers {
                 next.entry(*trigger).or_default().extend(yields.iter().map(|y| y.state));
             }
         }
-        let named = |name: &str| component.states.iter().position(|state| state == name);
-        if named("stop").is_some_and(|stop| next.contains_key(&stop)) {
+        let stops = component.state("stop").is_some_and(|stop| next.contains_key(&stop));
+        let loops = component.state("start").is_some_and(|start| has_cycle(&next, start));
+        if stops || !loops {
             continue;
         }
-        let Some(start) = named("start").filter(|_| has_cycle(&next, named("start"))) else {
-            continue;
-        };
-        let _ = start;
         let message = format!("activity `{}` loops and has no codel<stop>", service.name);
         let span: Span = service.span;
         out.push(Diagnostic::warning("W0906", span, message).help(
@@ -147,8 +144,7 @@ fn warn_endless(component: &Component, out: &mut Diagnostics) {
 }
 
 /// Whether a cycle can be reached from `start`.
-fn has_cycle(next: &HashMap<usize, Vec<usize>>, start: Option<usize>) -> bool {
-    let Some(start) = start else { return false };
+fn has_cycle(next: &HashMap<StateIx, Vec<StateIx>>, start: StateIx) -> bool {
     // Depth first, without recursion. Open states are on the current path; finished ones lead to no
     // cycle.
     let mut open = HashSet::from([start]);

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use genom_types::TypeId;
 
-use super::{Direction, PathStep, PortIx, RemoteIx, ServiceIx, Span, TaskIx};
+use super::{Direction, PathStep, PortIx, RemoteIx, ServiceIx, Span, StateIx, TaskIx};
 
 /// What a codel belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -43,8 +43,8 @@ pub enum CodelKind {
     Simple,
     /// In a state of the state machine.
     Fsm {
-        /// States that run it, by index into the component's states.
-        triggers: Vec<usize>,
+        /// States that run it.
+        triggers: Vec<StateIx>,
         /// What it may return.
         yields: Vec<Yield>,
     },
@@ -53,8 +53,8 @@ pub enum CodelKind {
 /// A state a codel may yield.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Yield {
-    /// Index of the state.
-    pub state: usize,
+    /// The state.
+    pub state: StateIx,
     /// `pause::`: wait for the next tick or event first.
     pub pause: bool,
 }

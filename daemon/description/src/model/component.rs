@@ -6,7 +6,7 @@ use genom_types::{ScopedName, TypeId};
 
 use super::{
     Codel, CodelIx, Indexed, Ix as _, Parameter, PortIx, RemoteIx, Service, ServiceIx, ServiceKind,
-    Span, TaskIx,
+    Span, StateIx, TaskIx,
 };
 
 /// Which generation of the language a component was written in (dialects.md).
@@ -54,10 +54,9 @@ pub struct Component {
     /// Codels of tasks and services.
     pub codels: Indexed<CodelIx, Codel>,
     /// State names in order of first use, without scope: `ether`, `start`, `stop`, then others.
-    /// States are indices into it; `pause::x` is the state `x` with a pause. Where no codel of the
-    /// machine has the state `sleep`, yielding it waits for an external event or `stop`
-    /// (dialects.md A).
-    pub states: Vec<String>,
+    /// `pause::x` is the state `x` with a pause. Where no codel of the machine has the state
+    /// `sleep`, yielding it waits for an external event or `stop` (dialects.md A).
+    pub states: Indexed<StateIx, String>,
     /// External events: states that an event may activate (dialects.md A).
     pub sinks: Vec<Sink>,
     /// Exceptions any of its services or tasks may throw (genom3.md 4.7).
@@ -76,6 +75,12 @@ impl Component {
     #[must_use]
     pub fn scope(&self) -> ScopedName {
         ScopedName::new([self.name.as_str()])
+    }
+
+    /// The state with this name: `ether`, `start`, `stop`, or one that a codel has or yields.
+    #[must_use]
+    pub fn state(&self, name: &str) -> Option<StateIx> {
+        self.states.find(|state| state == name)
     }
 
     /// The number of a node, see [`exclusion`](Self::exclusion).
@@ -233,8 +238,8 @@ pub struct Remote {
 pub struct Sink {
     /// Its name, also that of the state.
     pub name: String,
-    /// Index of the state.
-    pub state: usize,
+    /// The state.
+    pub state: StateIx,
     /// Where it is declared, or first used in the 2011 dialect.
     pub span: Span,
 }

@@ -1,5 +1,5 @@
-//! Typed indices of ports, services, tasks, remotes and codels into the lists of a component: the
-//! compiler refuses one in place of another.
+//! Typed indices of ports, services, tasks, remotes, codels and states into the lists of a
+//! component: the compiler refuses one in place of another.
 
 use std::fmt;
 use std::iter::FromIterator;
@@ -54,6 +54,8 @@ places! {
     RemoteIx;
     /// Index of a codel in [`Component::codels`](super::Component::codels).
     CodelIx;
+    /// Index of a state in [`Component::states`](super::Component::states).
+    StateIx;
 }
 
 /// A list that can be indexed with one type of index only.

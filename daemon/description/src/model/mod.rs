@@ -8,7 +8,7 @@ mod service;
 
 pub use codel::{Codel, CodelKind, CodelParameter, Owner, Source, Yield};
 pub use component::{Component, Dialect, Interface, Node, Port, PortDirection, Remote, Sink, Task};
-pub use ix::{CodelIx, Indexed, Ix, PortIx, RemoteIx, ServiceIx, TaskIx};
+pub use ix::{CodelIx, Indexed, Ix, PortIx, RemoteIx, ServiceIx, StateIx, TaskIx};
 pub use path::PathStep;
 pub use service::{AttributeTarget, Default, Direction, Parameter, Service, ServiceKind};
 

@@ -23,7 +23,7 @@ fn every_component_begins_with_the_standard_services_and_port() {
     let ports: Vec<_> = c.ports.iter().map(|p| p.name.as_str()).collect();
     assert_eq!(ports, ["genom_state", "p"]);
     assert_eq!(c.services[ServiceIx::new(3)].interrupts, [0, 1, 2, 3, 4].map(ServiceIx::new));
-    assert_eq!(c.states, ["ether", "start", "stop"]);
+    assert_eq!(*c.states, ["ether", "start", "stop"]);
 }
 
 #[test]

@@ -2,7 +2,9 @@
 
 use std::sync::{Arc, OnceLock};
 
-use genom_description::model::{CodelIx, Indexed, Port, PortIx, RemoteIx, Service, ServiceIx};
+use genom_description::model::{
+    CodelIx, Indexed, Port, PortIx, RemoteIx, Service, ServiceIx, StateIx,
+};
 use genom_runtime::plan::{Event, Meaning, Plan};
 use genom_types::{DataType, Kind, Record, ScopedName, TypeTable};
 
@@ -179,7 +181,7 @@ impl Parts {
     }
 }
 
-fn meant(event: &Event, details: &Details, states: &[String]) -> Meant {
+fn meant(event: &Event, details: &Details, states: &Indexed<StateIx, String>) -> Meant {
     let rests = match event.meaning {
         Meaning::State { state, pause } => {
             pause || states.get(state).is_some_and(|name| name == "ether")

@@ -47,7 +47,7 @@ impl Gen {
             remotes: Indexed::default(),
             services: Indexed::default(),
             codels: Indexed::default(),
-            states: ["ether", "start", "stop"].map(String::from).into(),
+            states: ["ether", "start", "stop"].map(String::from).into_iter().collect(),
             sinks: vec![],
             throws: vec![],
             exclusion: vec![],
@@ -218,8 +218,10 @@ impl Gen {
         arguments: &[Argument<'_>],
     ) -> CodelIx {
         let ix = CodelIx::new(self.component.codels.len());
-        let fsm =
-            CodelKind::Fsm { triggers: vec![1], yields: vec![Yield { state: 0, pause: false }] };
+        let fsm = CodelKind::Fsm {
+            triggers: vec![StateIx::new(1)],
+            yields: vec![Yield { state: StateIx::new(0), pause: false }],
+        };
         let kind = match owner {
             Owner::Task(task) => {
                 self.component.tasks[task].codels.push(ix);

@@ -14,7 +14,7 @@ pub use virtual_clock::VirtualClock;
 /// The clock of an instance. Dates are in nanoseconds.
 #[derive(Clone, Debug, Default)]
 pub enum Clock {
-    /// `CLOCK_MONOTONIC`; each task has a thread of its own.
+    /// `CLOCK_MONOTONIC`; threads run the tasks, as [`Execution`](crate::Execution) says.
     #[default]
     Monotonic,
     /// A clock that is stepped; tasks run in the thread that steps it, so equal inputs give equal

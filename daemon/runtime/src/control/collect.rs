@@ -107,8 +107,7 @@ impl Engine {
                 interrupted(by.unwrap_or("client"))
             }
             Some(RunOutcome::Bad { from, to }) => {
-                // States come first in the table of events, in the same order.
-                let from = plan.event_name(crate::body::EventId(from));
+                let from = plan.state_name(from);
                 let to = match to {
                     Bad::Ok => "genom_ok".to_owned(),
                     Bad::Event(event) => plan.event_name(event).to_owned(),

@@ -1,6 +1,7 @@
 //! The worker threads that serve requests, and the control thread, which collects results of tasks.
 //!
-//! On a virtual clock there are none: the thread that sends a request, or steps the clock, does the
+//! With [`Execution::Single`](crate::Execution::Single) the shared thread does the work of both. On a
+//! virtual clock there are none: the thread that sends a request, or steps the clock, does the
 //! work.
 
 use std::sync::Arc;
@@ -8,11 +9,14 @@ use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use super::{Phase, state_port::PERIOD_NS};
+use genom_description::model::ServiceIx;
+
+use super::{Control, Phase, state_port::PERIOD_NS};
 use crate::engine::{Engine, OVER};
+use crate::plan::Builtin;
 
 /// Interval of polling for changes that interest watchers, while activities run.
-const LOOK: Duration = Duration::from_millis(50);
+pub(crate) const LOOK: Duration = Duration::from_millis(50);
 /// Stack of control threads, which run validate codels and functions, in bytes.
 const STACK: usize = 8 << 20;
 
@@ -21,6 +25,16 @@ impl Engine {
     pub(crate) fn find_worker(self: &Arc<Self>) {
         if self.driven.is_some() {
             return self.serve_here();
+        }
+        if let Some(executor) = &self.single {
+            // A codel on the shared thread may wait for this request.
+            if executor.is_here() {
+                return self.serve_here();
+            }
+            if let Some(call) = &self.shared.call {
+                call.ring();
+            }
+            return;
         }
         let mut control = self.lock();
         if control.ready.len() > control.idle {
@@ -47,18 +61,66 @@ impl Engine {
     }
 
     /// Serves all requests that are ready, on this thread.
-    fn serve_here(&self) {
+    fn serve_here(self: &Arc<Self>) {
+        while self.serve_next() {}
+    }
+
+    /// Serves the first request that is ready, on this thread; `false` when there is none.
+    pub(crate) fn serve_next(self: &Arc<Self>) -> bool {
         let mut control = self.lock();
-        while let Some(context) = control.contexts.pop() {
-            let next = control.ready.pop_front();
-            if let Some(service) = next {
-                control = self.serve_one(control, service, context);
+        let Some(context) = control.contexts.pop() else { return false };
+        let next = control.ready.pop_front();
+        if let Some(service) = next {
+            if self.single.is_some() && self.may_take_long(service) {
+                drop(control);
+                self.serve_aside(service, context);
+                return true;
             }
+            control = self.serve_one(control, service, context);
+        }
+        control.contexts.push(context);
+        next.is_some()
+    }
+
+    /// Whether a service waits for middlewares: the tasks of a shared thread must not.
+    fn may_take_long(&self, service: ServiceIx) -> bool {
+        let builtin = self.shared.plan.services()[service].builtin;
+        matches!(builtin, Some(Builtin::ConnectPort | Builtin::ConnectService))
+    }
+
+    /// Serves a request in a thread of its own. It runs no codel.
+    fn serve_aside(self: &Arc<Self>, service: ServiceIx, context: usize) {
+        let engine = Arc::clone(self);
+        self.lock().alive += 1;
+        let aside = std::thread::Builder::new().name(format!("{}:connect", self.name));
+        let spawned = aside.spawn(move || {
+            let mut control = engine.serve_one(engine.lock(), service, context);
             control.contexts.push(context);
-            if next.is_none() {
-                break;
+            drop(control);
+            engine.shared.wake_control();
+            engine.thread_ended();
+        });
+        match spawned {
+            Ok(thread) => {
+                let mut control = self.lock();
+                control.workers.retain(|worker| !worker.is_finished());
+                control.workers.push(thread);
+            }
+            Err(error) => {
+                tracing::error!(instance = self.name, "no thread to connect in: {error}");
+                let control = self.lock();
+                let mut control = self.serve_one(control, service, context);
+                control.contexts.push(context);
+                control.alive -= 1;
             }
         }
+    }
+
+    /// Whether control has to look every [`LOOK`]: nothing rings for what it looks for then.
+    pub(crate) fn looks_often(&self, control: &Control) -> bool {
+        let activities = || control.entries.iter().any(|entry| entry.service.is_some());
+        // No event signals that a codel has become stuck, so a shutdown is polled.
+        control.step.is_some() || (self.watcher.is_some() && activities())
     }
 
     fn serve_until_stopped(&self, context: usize) {
@@ -91,9 +153,7 @@ impl Engine {
         loop {
             let often = {
                 let control = self.lock();
-                let activities = || control.entries.iter().any(|entry| entry.service.is_some());
-                // No event signals that a codel has become stuck, so a shutdown is polled.
-                control.step.is_some() || (self.watcher.is_some() && activities())
+                self.looks_often(&control)
             };
             let period = if often { LOOK } else { Duration::from_nanos(PERIOD_NS) };
             if !self.shared.attention.load(Ordering::Acquire) {

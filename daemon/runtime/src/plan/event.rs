@@ -1,6 +1,6 @@
 //! The table of events: every string that codels may return, by index.
 
-use genom_description::model::Component;
+use genom_description::model::{Component, StateIx};
 use genom_types::{Kind, ScopedName, TypeId, TypeTable};
 
 use super::error::PlanError;
@@ -18,10 +18,10 @@ pub struct Event {
 /// Meaning of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meaning {
-    /// A state of the component, by rank in its states.
+    /// A state of the component.
     State {
-        /// Rank of the state in [`Component::states`](genom_description::model::Component::states).
-        state: usize,
+        /// The state.
+        state: StateIx,
         /// `pause::`: wait for the next tick or event first.
         pause: bool,
     },
@@ -34,11 +34,11 @@ const ALWAYS: [&str; 3] = ["::genom::unkex", "::genom::syserr", "::genom::fatal"
 
 pub(super) fn table(model: &Component, types: &TypeTable) -> Result<Vec<Event>, PlanError> {
     let mut events = Vec::new();
-    for (state, name) in model.states.iter().enumerate() {
+    for (state, name) in model.states.pairs() {
         let meaning = Meaning::State { state, pause: false };
         events.push(Event { name: scoped(model, name), meaning });
     }
-    for (state, name) in model.states.iter().enumerate() {
+    for (state, name) in model.states.pairs() {
         let meaning = Meaning::State { state, pause: true };
         events.push(Event { name: scoped(model, &format!("pause::{name}")), meaning });
     }

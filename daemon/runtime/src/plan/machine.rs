@@ -1,7 +1,10 @@
 //! State machines: the codel of each state, and the effect of each returned event.
 
-use genom_description::model::{Codel, CodelIx, CodelKind, Component, Indexed, Owner, TaskIx};
+use genom_description::model::{
+    Codel, CodelIx, CodelKind, Component, Indexed, Owner, StateIx, TaskIx,
+};
 
+use super::error::PlanError;
 use super::event::{Event, Meaning};
 use super::ix16::Ix16;
 
@@ -13,46 +16,51 @@ pub struct Machine {
     /// The task that runs it.
     pub task: TaskIx,
     /// The codel of each state, if it has one.
-    pub codels: Box<[Option<Ix16<CodelIx>>]>,
+    pub codels: Indexed<StateIx, Option<Ix16<CodelIx>>>,
     /// State `start`.
-    pub start: u16,
+    pub start: StateIx,
     /// State `stop`.
-    pub stop: u16,
+    pub stop: StateIx,
 }
 
 /// Effect of a returned event (genom3.md 7.5).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Transition {
     /// Go to this state, which runs in the next pass.
-    Go(u16),
+    Go(Ix16<StateIx>),
     /// Go to this state after a pause.
-    Pause(u16),
+    Pause(Ix16<StateIx>),
     /// `ether`: the token is removed.
     End,
     /// `sleep`: the token waits for an external event or for `stop` (dialects.md A).
-    Sleep(u16),
+    Sleep(Ix16<StateIx>),
     /// A declared exception: ends the activity.
     Throw,
     /// An event that this codel must not return.
     Bad,
 }
 
+// Tables hold one for each codel and event, so it stays small.
+const _: () = assert!(size_of::<Transition>() == 4);
+
 impl Machine {
     /// The codel of a state.
     #[must_use]
-    pub fn codel(&self, state: u16) -> Option<CodelIx> {
-        self.codels.get(usize::from(state)).copied().flatten().map(Ix16::ix)
+    #[inline]
+    pub fn codel(&self, state: StateIx) -> Option<CodelIx> {
+        self.codels.get(state).copied().flatten().map(Ix16::ix)
     }
 }
 
 /// Machines of permanent activities by task, then of services that have a task.
-pub(super) fn machines(model: &Component) -> Vec<Machine> {
+pub(super) fn machines(model: &Component) -> Result<Vec<Machine>, PlanError> {
     let state = |name: &str| {
-        let found = model.states.iter().position(|state| state == name);
-        found.and_then(|state| u16::try_from(state).ok()).unwrap_or(u16::MAX)
+        let (component, what) = (model.name.clone(), format!("there is no state `{name}`"));
+        model.state(name).ok_or(PlanError::Inconsistent { component, what })
     };
+    let (start, stop) = (state("start")?, state("stop")?);
     let machine = |owner, task, codels: &[CodelIx]| {
-        let mut table = vec![None; model.states.len()];
+        let mut table = model.states.map(|_, _| None);
         for &codel in codels {
             let CodelKind::Fsm { triggers, .. } = &model.codels[codel].kind else { continue };
             for &trigger in triggers {
@@ -62,14 +70,14 @@ pub(super) fn machines(model: &Component) -> Vec<Machine> {
                 }
             }
         }
-        Machine { owner, task, codels: table.into(), start: state("start"), stop: state("stop") }
+        Machine { owner, task, codels: table, start, stop }
     };
     let permanent = model.tasks.pairs();
     let permanent = permanent.map(|(ix, task)| machine(Owner::Task(ix), ix, &task.codels));
     let services = model.services.pairs().filter_map(|(ix, service)| {
         Some(machine(Owner::Service(ix), service.task?, &service.codels))
     });
-    permanent.chain(services).collect()
+    Ok(permanent.chain(services).collect())
 }
 
 /// Effects of all events for each codel; empty for codels outside state machines.
@@ -89,16 +97,16 @@ pub(super) fn transitions(
             Meaning::State { state, pause } => {
                 let allowed = yields.iter().any(|y| y.state == state && y.pause == pause);
                 let name = model.states.get(state).map_or("", String::as_str);
-                let runs =
-                    machine.is_some_and(|m| m.codels.get(state).is_some_and(Option::is_some));
-                let number = u16::try_from(state).unwrap_or(u16::MAX);
+                let runs = machine.is_some_and(|machine| machine.codel(state).is_some());
+                // All states have one: each is an event, and those were counted.
+                let Some(to) = Ix16::new(state) else { return Transition::Bad };
                 match (allowed, name) {
                     (false, _) => Transition::Bad,
                     (true, "ether") => Transition::End,
                     // The component may have a state of its own named `sleep`.
-                    (true, "sleep") if !runs => Transition::Sleep(number),
-                    (true, _) if pause => Transition::Pause(number),
-                    (true, _) => Transition::Go(number),
+                    (true, "sleep") if !runs => Transition::Sleep(to),
+                    (true, _) if pause => Transition::Pause(to),
+                    (true, _) => Transition::Go(to),
                 }
             }
             Meaning::Exception(Some(id)) if throws.is_some_and(|throws| throws.contains(&id)) => {

@@ -15,7 +15,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use genom_description::model::{
-    CodelIx, Component, Dialect, Indexed, PortDirection, PortIx, ServiceIx, Specification,
+    CodelIx, Component, Dialect, Indexed, Ix as _, PortDirection, PortIx, ServiceIx, Specification,
+    StateIx,
 };
 use genom_types::DataType;
 
@@ -71,7 +72,7 @@ impl Plan {
             .zip(0u16..)
             .map(|(event, rank)| (event.name.clone(), EventId(rank)))
             .collect();
-        let machines = machine::machines(model);
+        let machines = machine::machines(model)?;
         let transitions = machine::transitions(model, &events, &machines);
         let services = service::services(model, &specification.types, &events, &machines)?;
         let nodes = Nodes::new(model);
@@ -136,6 +137,13 @@ impl Plan {
     #[must_use]
     pub fn event_name(&self, event: EventId) -> &str {
         self.events.get(usize::from(event.0)).map_or("", |event| event.name.as_str())
+    }
+
+    /// Full name of a state (`::demo::main`).
+    #[must_use]
+    pub fn state_name(&self, state: StateIx) -> &str {
+        // States come first in the table, in the model's order.
+        self.events.get(state.index()).map_or("", |event| event.name.as_str())
     }
 
     /// Services, in the model's order.
@@ -240,7 +248,7 @@ fn check_indices(model: &Component) -> Result<(), PlanError> {
     if let Some(task) = model.tasks.iter().find(|task| !ok_codels(&task.codels)) {
         return inconsistent(format!("task `{}`", task.name));
     }
-    if let Some(sink) = model.sinks.iter().find(|sink| sink.state >= model.states.len()) {
+    if let Some(sink) = model.sinks.iter().find(|sink| model.states.get(sink.state).is_none()) {
         return inconsistent(format!("event `{}`", sink.name));
     }
     Ok(())

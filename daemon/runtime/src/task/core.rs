@@ -3,7 +3,7 @@
 //! It handles states, codels, stop requests and external events, but no threads, clocks or
 //! exclusion: the caller says when a pass is due, and calls the codels.
 
-use genom_description::model::{CodelIx, Owner};
+use genom_description::model::{CodelIx, Owner, StateIx};
 
 use super::run::{Bad, Mode, Run, RunOutcome, Status, Token};
 use crate::body::Returned;
@@ -60,7 +60,7 @@ impl Core {
         &mut self,
         plan: &Plan,
         runnable: bool,
-        fired: &[u16],
+        fired: &[StateIx],
         calls: &mut impl Calls,
     ) -> Passed {
         for run in &mut self.runs {
@@ -140,7 +140,7 @@ fn enter(run: &mut Run, token: Token, has_codel: bool, calls: &mut impl Calls) {
 }
 
 /// An external event puts a ready token in its state, which replaces sleeping ones (dialects.md A).
-fn fire(run: &mut Run, plan: &Plan, state: u16, calls: &mut impl Calls) {
+fn fire(run: &mut Run, plan: &Plan, state: StateIx, calls: &mut impl Calls) {
     let active = matches!(run.marker.status(), Status::Run | Status::Stop);
     if !active || run.outcome.is_some() || plan.machines()[run.machine].codel(state).is_none() {
         return;
@@ -177,15 +177,15 @@ fn step(run: &mut Run, plan: &Plan, by_period: bool, calls: &mut impl Calls, pas
             Returned::Event(event) => {
                 let table = plan.transitions(codel);
                 match table.get(usize::from(event.0)).copied().unwrap_or(Transition::Bad) {
-                    Transition::Go(state) if by_period => Token { state, mode: Mode::Paused },
-                    Transition::Go(state) => {
+                    Transition::Go(to) if by_period => Token { state: to.ix(), mode: Mode::Paused },
+                    Transition::Go(to) => {
                         calls.goes_on(codel);
                         passed.again = true;
                         passed.moved = true;
-                        Token { state, mode: Mode::Ready }
+                        Token { state: to.ix(), mode: Mode::Ready }
                     }
-                    Transition::Pause(state) => Token { state, mode: Mode::Paused },
-                    Transition::Sleep(state) => Token { state, mode: Mode::Asleep },
+                    Transition::Pause(to) => Token { state: to.ix(), mode: Mode::Paused },
+                    Transition::Sleep(to) => Token { state: to.ix(), mode: Mode::Asleep },
                     Transition::End => Token { state, mode: Mode::Done },
                     Transition::Throw => {
                         run.outcome = Some(RunOutcome::Thrown(event));

@@ -1,7 +1,9 @@
 //! One run of a service or permanent activity, which control and task pass to each other.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicUsize, Ordering};
+
+use genom_description::model::{Ix as _, StateIx};
 
 use crate::body::{EventId, Frame};
 
@@ -33,7 +35,7 @@ impl Status {
 }
 
 /// Flag for pause or sleep, beside the state in [`Marker::place`].
-const PAUSED: u32 = 1 << 16;
+const PAUSED: usize = 1 << (usize::BITS - 1);
 
 /// State of an activity that control and task share while the task has the run.
 #[derive(Debug)]
@@ -42,15 +44,15 @@ pub(crate) struct Marker {
     /// Written by control, checked in every pass.
     stop: AtomicBool,
     /// State of the first token, for readers outside the task.
-    place: AtomicU32,
+    place: AtomicUsize,
 }
 
 impl Marker {
-    pub(crate) fn new(state: u16) -> Self {
+    pub(crate) fn new(state: StateIx) -> Self {
         Self {
             status: AtomicU8::new(Status::Init as u8),
             stop: AtomicBool::new(false),
-            place: AtomicU32::new(u32::from(state)),
+            place: AtomicUsize::new(state.index()),
         }
     }
 
@@ -79,23 +81,23 @@ impl Marker {
     /// Publishes the state of the activity; returns whether it changed.
     pub(crate) fn show(&self, token: Token) -> bool {
         let paused = if token.mode == Mode::Ready { 0 } else { PAUSED };
-        let place = u32::from(token.state) | paused;
+        let place = token.state.index() | paused;
         let changed = self.place.load(Ordering::Relaxed) != place;
         self.place.store(place, Ordering::Relaxed);
         changed
     }
 
     /// State, and whether it is paused or asleep.
-    pub(crate) fn place(&self) -> (u16, bool) {
+    pub(crate) fn place(&self) -> (StateIx, bool) {
         let place = self.place.load(Ordering::Relaxed);
-        ((place & 0xffff) as u16, place & PAUSED != 0)
+        (StateIx::new(place & !PAUSED), place & PAUSED != 0)
     }
 }
 
 /// A token of the marking: an active state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Token {
-    pub(crate) state: u16,
+    pub(crate) state: StateIx,
     pub(crate) mode: Mode,
 }
 
@@ -120,7 +122,7 @@ pub(crate) enum RunOutcome {
     Thrown(EventId),
     /// A codel returned an event that it may not return.
     Bad {
-        from: u16,
+        from: StateIx,
         to: Bad,
     },
     /// The codel did not return.

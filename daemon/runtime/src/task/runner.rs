@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use genom_description::model::{CodelIx, Ix as _, TaskIx};
+use genom_description::model::{CodelIx, Ix as _, StateIx, TaskIx};
 use rtrb::{Consumer, Producer};
 
 use super::core::{Calls, Core, Passed};
@@ -27,7 +27,7 @@ pub(crate) struct Runner {
     core: Core,
     side: TaskSide,
     /// Buffer for the states of external events.
-    fired: Vec<u16>,
+    fired: Vec<StateIx>,
     /// Whether the first codel of the permanent activity has run.
     started: bool,
     /// Date at which the last pass ended, in nanoseconds.
@@ -147,7 +147,7 @@ impl Calls for Caller<'_> {
 
     fn moved(&mut self, run: &Run, token: Token) {
         if self.notices.is_some() {
-            let (state, paused) = (usize::from(token.state), token.mode != Mode::Ready);
+            let (state, paused) = (token.state, token.mode != Mode::Ready);
             let notice = Notice::Moved { activity: run.id, state, paused };
             self.shared.notify(self.notices, notice);
         }

@@ -3,7 +3,7 @@
 use std::num::NonZeroU64;
 use std::sync::atomic::Ordering;
 
-use genom_description::model::{Ix as _, Task, TaskIx};
+use genom_description::model::{Component, Ix as _, Task, TaskIx};
 
 use crate::exclusion::set_fifo;
 use crate::options::TaskOptions;
@@ -55,6 +55,38 @@ impl Wanted {
         }
         shared.tasks[task].real_time.store(fifo > 0, Ordering::Relaxed);
         shared.exclusion.inheritance().announce(task.index(), fifo);
+    }
+}
+
+/// Logs what is requested for tasks and cannot be applied because they share a thread with those of
+/// other instances, which has this stack.
+pub(crate) fn tell_not_applied(
+    instance: &str,
+    model: &Component,
+    options: &[TaskOptions],
+    stack: u64,
+) {
+    let of_task = |(task, options): (&Task, &TaskOptions)| {
+        let real_time = options.real_time.unwrap_or(task.real_time);
+        let priority = options.priority.or(task.priority).is_some();
+        let wanted = [
+            (real_time, "real-time scheduling"),
+            (priority, "priority"),
+            (!options.cpus.is_empty(), "cpus"),
+            (task.stack.is_some_and(|wanted| wanted > stack), "stack"),
+        ];
+        let wanted: Vec<&str> =
+            wanted.into_iter().filter(|(is, _)| *is).map(|(_, what)| what).collect();
+        (!wanted.is_empty()).then(|| format!("{} of task {}", wanted.join(", "), task.name))
+    };
+    let all: Vec<String> = model.tasks.iter().zip(options).filter_map(of_task).collect();
+    if !all.is_empty() {
+        tracing::warn!(
+            instance,
+            "not applied: {}; with execution = \"single\" all tasks share one thread, in the order \
+             of deadlines",
+            all.join("; ")
+        );
     }
 }
 

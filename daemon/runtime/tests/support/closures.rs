@@ -58,20 +58,33 @@ impl Closures {
     }
 
     pub(crate) fn try_start(self: &Arc<Self>) -> Result<Instance, StartError> {
-        self.try_start_with(Options::new("test", Arc::new(Nobody)))
+        self.try_start_with(options())
     }
 
     #[track_caller]
     pub(crate) fn start_with(self: &Arc<Self>, change: impl FnOnce(&mut Options)) -> Instance {
-        let mut options = Options::new("test", Arc::new(Nobody));
+        self.try_start_with_options(change).unwrap()
+    }
+
+    pub(crate) fn try_start_with_options(
+        self: &Arc<Self>,
+        change: impl FnOnce(&mut Options),
+    ) -> Result<Instance, StartError> {
+        let mut options = options();
         change(&mut options);
-        self.try_start_with(options).unwrap()
+        self.try_start_with(options)
     }
 
     fn try_start_with(self: &Arc<Self>, options: Options) -> Result<Instance, StartError> {
         let body: Arc<dyn Body> = Arc::<Self>::clone(self);
         Instance::start(Arc::clone(&self.plan), body, options)
     }
+}
+
+fn options() -> Options {
+    let mut options = Options::new("test", Arc::new(Nobody));
+    options.execution = super::execution();
+    options
 }
 
 /// Waits until a condition holds.

@@ -3,18 +3,15 @@
 #![allow(dead_code, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 pub(crate) mod closures;
+mod plan;
 pub(crate) mod scripted;
 pub(crate) mod transcript;
 
-use std::sync::Arc;
+use genom_runtime::Execution;
 
-use genom_description::{Options, read_text};
-use genom_runtime::Plan;
+pub(crate) use plan::plan;
 
-/// The plan of the first component of a `.gen` text.
-#[track_caller]
-pub(crate) fn plan(gen_text: &str) -> Arc<Plan> {
-    let analysis = read_text("test.gen", gen_text, &Options::default());
-    assert!(!analysis.has_errors(), "{:#?}", analysis.diagnostics);
-    Arc::new(Plan::new(&Arc::new(analysis.specification), 0).unwrap())
+/// What executes the components of a test, if it does not choose itself.
+pub(crate) fn execution() -> Execution {
+    Execution::Threads
 }

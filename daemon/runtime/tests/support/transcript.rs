@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use genom_runtime::{
-    Clock, ConnectionError, Instance, Options, Outcome, Progress, Supervision, VirtualClock,
-    input_record,
+    Clock, ConnectionError, Execution, Instance, Options, Outcome, Progress, Supervision,
+    VirtualClock, input_record,
 };
 use serde_json::Value;
 
@@ -45,12 +45,13 @@ struct Play {
     script: Shared,
     body: Arc<Scripted>,
     instance: Option<Instance>,
+    execution: Execution,
     limit: usize,
     requests: u8,
 }
 
 /// Runs a scenario, and returns its text with the actual results.
-pub(crate) fn replay(text: &str) -> String {
+pub(crate) fn replay(text: &str, execution: &Execution) -> String {
     let (gen_text, rest) = text.split_once("\n---\n").expect("a line --- after the component");
     let (answers, steps) = rest.split_once("---\n").expect("a line --- after the codels");
     let clock = Arc::new(VirtualClock::new());
@@ -64,7 +65,15 @@ pub(crate) fn replay(text: &str) -> String {
         .collect();
     let plan = super::plan(&gen_text);
     let body = Arc::new(Scripted { plan, script: Arc::clone(&script), clock: Arc::clone(&clock) });
-    let mut play = Play { clock, script, body, instance: None, limit: 16, requests: 0 };
+    let mut play = Play {
+        clock,
+        script,
+        body,
+        instance: None,
+        execution: execution.clone(),
+        limit: 16,
+        requests: 0,
+    };
     let mut out = text[..text.len() - steps.len()].to_owned();
     for line in steps.lines() {
         if let Some(command) = line.strip_prefix("> ") {
@@ -135,6 +144,7 @@ impl Play {
         let mut options = Options::new(self.body.plan.component().name.clone(), supervision);
         options.clock = Clock::Virtual(Arc::clone(&self.clock));
         options.activity_limit = self.limit;
+        options.execution = self.execution.clone();
         let body = Arc::clone(&self.body);
         match Instance::start(Arc::clone(&self.body.plan), body, options) {
             Ok(instance) => self.instance = Some(instance),

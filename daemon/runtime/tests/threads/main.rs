@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod hangs;
+mod order;
 mod requests;
 #[path = "../support/mod.rs"]
 mod support;

@@ -12,8 +12,8 @@ use genom_ports::PortKey;
 use genom_runtime::body::{Body, RemoteCall};
 use genom_runtime::plan::Plan;
 use genom_runtime::{
-    ActivityPhase, Clock, HeldUp, Instance, Options, Progress, RunningCodel, StartError,
-    Statistics, Ticket, Watcher, seconds,
+    ActivityPhase, CannotWait, Clock, HeldUp, Instance, Options, Progress, RunningCodel,
+    StartError, Statistics, Ticket, Watcher, seconds,
 };
 use genom_types::{DataType, Record};
 use serde_json::{Value, json};
@@ -264,6 +264,14 @@ impl Hosted {
                 }
             }),
         );
+    }
+
+    /// Whether the calling thread may wait for the outcome of a service.
+    ///
+    /// # Errors
+    /// It is the thread that would have to execute the service.
+    pub fn may_wait_here(&self, service: ServiceIx) -> Result<(), CannotWait> {
+        self.instance.may_wait_here(service)
     }
 
     /// Reports the states of an activity to `follower`. To be called while `Heard::Accepted` is

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use genom_description::model::ServiceIx;
+use genom_description::model::{ServiceIx, StateIx};
 use genom_runtime::plan::Plan;
 use genom_runtime::{Change as Inner, Watcher};
 
@@ -24,7 +24,7 @@ pub(crate) struct BusWatcher {
 }
 
 struct Following {
-    last: Option<usize>,
+    last: Option<StateIx>,
     follower: Follower,
 }
 
@@ -33,7 +33,7 @@ struct Known {
     /// Kept because transitions do not contain it. `None` for a permanent activity.
     service: Option<ServiceIx>,
     /// The state reported last: a state that yields itself at each period is reported once.
-    last: Option<(usize, bool)>,
+    last: Option<(StateIx, bool)>,
 }
 
 impl BusWatcher {
@@ -60,7 +60,7 @@ impl BusWatcher {
     }
 
     /// Not called with the map locked, because the follower may call back.
-    fn entered(&self, activity: u32, state: usize) {
+    fn entered(&self, activity: u32, state: StateIx) {
         let Some(following) = self.followers().get(&activity).map(Arc::clone) else { return };
         let mut following = following.lock().unwrap_or_else(PoisonError::into_inner);
         if following.last.replace(state) != Some(state)
@@ -79,7 +79,7 @@ impl BusWatcher {
     }
 
     /// The service of an activity that changed its state; `None` if that was reported already.
-    fn moved(&self, activity: u32, to: (usize, bool)) -> Option<Option<ServiceIx>> {
+    fn moved(&self, activity: u32, to: (StateIx, bool)) -> Option<Option<ServiceIx>> {
         self.with_known(|known| {
             let known = known.entry(activity).or_default();
             let new = known.last.replace(to) != Some(to);

@@ -65,6 +65,7 @@ impl RemoteCall for DirectCall {
         if model.services[index].call_digest != self.digest {
             return Err(incompatible(&self.version, &model.version));
         }
+        hosted.may_wait_here(index).map_err(|error| broken(error.to_string()))?;
         let mut request = Record::new(&hosted.plan().services()[index].input);
         request.copy_from(input).map_err(|error| broken(error.to_string()))?;
         let (sender, ended) = channel();

@@ -36,6 +36,7 @@ pub(super) fn start(
     let services = Arc::new(StandardServices::new(supervisor, &name, &killed));
     let mut options = Options::new(name.as_str(), services);
     options.clock = supervisor.clock.clone();
+    options.execution = supervisor.execution.clone();
     options.date = built::date(&library);
     options.start_timeout = Some(supervisor.settings.start_timeout);
     let weak = Arc::downgrade(supervisor);

@@ -6,3 +6,4 @@ mod numbers;
 mod realtime;
 mod service_manager;
 mod signals;
+mod single;
