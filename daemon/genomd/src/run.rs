@@ -7,13 +7,14 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
+use genom_cells::{AskError, OpenError};
 use genom_configuration::{ConnectionEntry, LoadRequest, RpcSettings, Spot};
 use genom_doors::{
     Certificates, Desk, Door, Entrance, Listener, Log, Most, Socket, Tokens, acceptor, serve,
 };
 use genom_host::{KeptProcess, StandardError, keep_from_children, keep_off};
 use genom_middleware::{Middleware, Relay};
-use genom_protocol::DeploymentRequest;
+use genom_protocol::{CellState, DeploymentRequest};
 use genom_supervisor::Supervisor;
 use genom_supervisor::deploy::ApplyError;
 use genom_supervisor::deploy::Step;
@@ -407,8 +408,22 @@ async fn deploy_in_cells(daemon: &Daemon, settings: &Settings) -> Result<(), Ref
         cell: None,
         timeout: Some(86_400.0),
     };
-    let applied = daemon.cells.apply(&daemon.supervisor, &settings.deployment, &wanted).await;
-    applied.map(drop).map_err(Refusal::component)
+    loop {
+        let applied = daemon.cells.apply(&daemon.supervisor, &settings.deployment, &wanted).await;
+        match applied {
+            Ok(_) => return Ok(()),
+            // One that ended meanwhile comes back with what it held, or has failed: neither is a
+            // reason to end the others.
+            Err(OpenError::Down(down)) if down.state == CellState::Failed => {
+                tracing::error!("{down}; what the configuration says of it is not done");
+                return Ok(());
+            }
+            Err(OpenError::Down(_) | OpenError::Ask(AskError::Gone(_))) => {
+                tokio::time::sleep(Duration::from_millis(100)).await;
+            }
+            Err(error) => return Err(Refusal::component(error)),
+        }
+    }
 }
 
 /// The message, preceded by file, line and key if these are known.

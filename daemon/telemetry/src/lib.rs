@@ -1,10 +1,15 @@
-//! Sends spans of services to an OpenTelemetry collector: OTLP over HTTP, in JSON.
+//! What a daemon tells monitoring systems: spans of services to an OpenTelemetry collector (OTLP
+//! over HTTP, in JSON), and pages of metrics for Prometheus ([`Page`]).
 //!
 //! A layer of `tracing` converts each span to OTLP when it closes, and queues it; a task posts the
 //! queue. Nothing waits for the collector: spans that do not fit in the queue are dropped and
 //! counted. There is no TLS: the collector has to be on this machine or on a trusted network.
 
 #![forbid(unsafe_code)]
+
+mod page;
+
+pub use page::Page;
 
 use std::collections::VecDeque;
 use std::hash::{BuildHasher as _, Hasher as _, RandomState};
