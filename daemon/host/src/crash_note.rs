@@ -260,7 +260,9 @@ impl Addresses {
         const STOP: c_int = 5;
         // SAFETY: the pointer that `here` passed; the unwinder's own frame.
         let (found, address) = unsafe { (&mut *found.cast::<Self>(), _Unwind_GetIP(frame)) };
-        let Some(room) = found.all.get_mut(found.count) else { return STOP };
+        // The outermost frame of a thread has no address.
+        let room = found.all.get_mut(found.count).filter(|_| address != 0);
+        let Some(room) = room else { return STOP };
         *room = address;
         found.count += 1;
         0
