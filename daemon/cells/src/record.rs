@@ -123,7 +123,7 @@ impl Recorded {
 
     /// Sends the frames of all to `out`, `own` among them. When `own` is over, cells are asked to
     /// end, too, and what they took until then is sent. A cell that ends before has no more frames.
-    pub async fn merge(self, mut own: mpsc::Receiver<Vec<u8>>, out: mpsc::Sender<Vec<u8>>) {
+    pub async fn join_frames(self, mut own: mpsc::Receiver<Vec<u8>>, out: mpsc::Sender<Vec<u8>>) {
         let (sender, mut pieces) = mpsc::channel(WAITING);
         let mut theirs = Vec::new();
         for (rank, (cell, body)) in self.cells.into_iter().enumerate() {

@@ -66,7 +66,7 @@ pub(crate) async fn start(
     let (sender, mut receiver) = mpsc::channel(WAITING);
     if !in_cells.is_empty() {
         let (merged, all) = mpsc::channel(WAITING);
-        tokio::spawn(in_cells.merge(std::mem::replace(&mut receiver, all), merged));
+        tokio::spawn(in_cells.join_frames(std::mem::replace(&mut receiver, all), merged));
     }
     tokio::task::spawn_blocking(move || {
         let changes = supervisor.bus.live();
