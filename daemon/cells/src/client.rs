@@ -7,7 +7,7 @@ use genom_protocol::{Reason, Refusal};
 use http_body_util::{BodyExt as _, Full};
 use hyper::body::{Body, Bytes, Incoming};
 use hyper::client::conn::http1;
-use hyper::{Method, Request, Response, header};
+use hyper::{Request, Response, header};
 use hyper_util::rt::TokioIo;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -109,12 +109,7 @@ impl Client {
 
     fn request(&self, method: routes::Method, path: &str) -> hyper::http::request::Builder {
         Request::builder()
-            .method(match method {
-                routes::Method::Get => Method::GET,
-                routes::Method::Put => Method::PUT,
-                routes::Method::Post => Method::POST,
-                routes::Method::Delete => Method::DELETE,
-            })
+            .method(method.as_str())
             .uri(path)
             .header(header::HOST, "cell")
             .header(header::CONTENT_TYPE, "application/json")

@@ -1,5 +1,7 @@
 //! Lists of the control plane, joined: what the daemon itself has, and what its cells have.
 
+use std::collections::BTreeMap;
+
 use genom_protocol::routes::Route;
 use genom_protocol::{
     AllAborted, BackendNames, Clock, Component, Components, Connections, PortParameters, Ports,
@@ -14,7 +16,7 @@ use crate::journal;
 
 impl Cells {
     /// What each cell that answers says, by cell; they are asked side by side.
-    async fn each<R, Q>(&self, route: &Route<R, Q>) -> Vec<(String, R)>
+    async fn each<R, Q>(&self, route: &Route<R, Q>) -> BTreeMap<String, R>
     where
         R: DeserializeOwned + Send + 'static,
         Q: 'static,
@@ -37,7 +39,7 @@ impl Cells {
                 })
             })
             .collect();
-        let mut all = Vec::with_capacity(asked.len());
+        let mut all = BTreeMap::new();
         for one in asked {
             all.extend(one.await.ok().flatten());
         }
@@ -46,13 +48,12 @@ impl Cells {
 
     /// Adds the components of all cells; those of a cell that is down as `down`.
     pub async fn join_components(&self, own: &mut Components) {
-        let said = self.each(&routes::components()).await;
+        let mut said = self.each(&routes::components()).await;
         for cell in self.all() {
-            match said.iter().find(|(name, _)| name == cell.name()) {
-                Some((name, theirs)) => {
-                    let theirs = theirs.clone();
+            match said.remove(cell.name()) {
+                Some(theirs) => {
                     own.components.extend(theirs.components.into_iter().map(|mut component| {
-                        component.cell = Some(name.clone());
+                        component.cell = Some(cell.name().to_owned());
                         component
                     }));
                     own.loading.extend(theirs.loading);
@@ -66,29 +67,27 @@ impl Cells {
     /// Adds the ports of all cells.
     pub async fn join_ports(&self, own: &mut Ports, asked: &PortParameters) {
         let route = routes::ports().with(asked);
-        own.ports.extend(self.each(&route).await.into_iter().flat_map(|(_, theirs)| theirs.ports));
+        own.ports.extend(self.each(&route).await.into_values().flat_map(|theirs| theirs.ports));
     }
 
     /// Adds the connections of all cells.
     pub async fn join_connections(&self, own: &mut Connections) {
         let said = self.each(&routes::connections()).await;
-        own.connections.extend(said.into_iter().flat_map(|(_, theirs)| theirs.connections));
+        own.connections.extend(said.into_values().flat_map(|theirs| theirs.connections));
     }
 
     /// Asks all activities of all cells to stop.
     pub async fn join_stopped(&self, own: &mut AllAborted) {
         let said = self.each(&routes::stop()).await;
-        own.aborted.extend(said.into_iter().flat_map(|(_, theirs)| theirs.aborted));
+        own.aborted.extend(said.into_values().flat_map(|theirs| theirs.aborted));
     }
 
     /// Adds what runs in all cells, and in those that are down is to run again.
     pub async fn join_deployment(&self, own: &mut RunningDeployment) {
-        let said = self.each(&routes::dump()).await;
+        let mut said = self.each(&routes::dump()).await;
         for cell in self.all() {
-            let runs = match said.iter().find(|(name, _)| name == cell.name()) {
-                Some((_, theirs)) => theirs.deployment.runs.clone(),
-                None => cell.held(),
-            };
+            let runs = said.remove(cell.name()).map(|theirs| theirs.deployment.runs);
+            let runs = runs.unwrap_or_else(|| cell.held());
             own.runs.component.extend(runs.component);
             own.runs.connection.extend(runs.connection);
             own.runs.call.extend(runs.call);

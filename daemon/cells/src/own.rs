@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use crate::journal;
-use crate::place;
+use crate::place::Place;
 use genom_configuration::{
     BackendNames, Config, ConfigError, Deployment, LoadRequest, WithoutDaemon,
 };
@@ -29,7 +29,7 @@ const TOGETHER: Duration = Duration::from_millis(20);
 /// This process is a cell.
 #[derive(Debug)]
 pub struct OwnCell {
-    journal: PathBuf,
+    place: Place,
     /// What it was to hold when it started; it counts until all of it is there again.
     before: Deployment,
     /// Held while the journal is written.
@@ -42,18 +42,17 @@ impl OwnCell {
     /// # Errors
     /// Its journal cannot be read.
     pub fn new(config: &Path) -> Result<Self, ConfigError> {
-        let journal = config.with_file_name("journal.toml");
-        let before = journal::read(&journal)?;
-        Ok(Self { journal, before, writing: Mutex::default() })
+        let place = Place::of_config(config);
+        let before = journal::read(&place.journal())?;
+        Ok(Self { place, before, writing: Mutex::default() })
     }
 
     /// Prepares for a crash: a note for the daemon, and a core dump only where it is asked for.
     pub fn expect_crashes(&self, core: bool) {
         let prepare = || {
-            let note = self.journal.with_file_name("note");
             let mut options = OpenOptions::new();
             options.write(true).create(true).truncate(true).mode(0o600);
-            genom_host::note_crashes_in(options.open(note)?);
+            genom_host::note_crashes_in(options.open(self.place.note())?);
             let limit = getrlimit(Resource::Core);
             let current = if core { limit.maximum } else { Some(0) };
             Ok::<_, io::Error>(setrlimit(Resource::Core, Rlimit { current, ..limit })?)
@@ -80,8 +79,9 @@ impl OwnCell {
         let _turn = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
         let held = supervisor.declared();
         let held = if all_there { held } else { held.over(&self.before) };
-        if let Err(error) = journal::write(&self.journal, &held) {
-            tracing::error!("{}: {error}", self.journal.display());
+        let journal = self.place.journal();
+        if let Err(error) = journal::write(&journal, &held) {
+            tracing::error!("{}: {error}", journal.display());
         }
     }
 
@@ -153,7 +153,7 @@ pub enum OwnLimitError {
 /// Writes down, for the daemon, why this cell does not run.
 pub fn refuse(file: &Path, why: &str) {
     // The message is on standard error as well.
-    let _ = std::fs::write(file.with_file_name(place::REFUSAL), why);
+    let _ = std::fs::write(Place::of_config(file).refusal(), why);
 }
 
 /// Components of a cell meet those of other processes: what would stay within the daemon goes over

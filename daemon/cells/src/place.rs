@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 const LONGEST: usize = 107;
 
 /// File in which a cell writes why it does not start.
-pub(crate) const REFUSAL: &str = "refusal";
+const REFUSAL: &str = "refusal";
 
 /// The directory of one cell.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -68,6 +68,11 @@ impl Place {
             socket if socket.as_os_str().len() + 11 > LONGEST => Err(PlaceError::Long(socket)),
             _ => Ok(place),
         }
+    }
+
+    /// The place that holds a cell's configuration: how the cell itself finds it.
+    pub(crate) fn of_config(config: &Path) -> Self {
+        Self(config.parent().unwrap_or(Path::new(".")).to_owned())
     }
 
     /// Those that are there, whether their cells live or not.
@@ -128,6 +133,11 @@ impl Place {
         self.0.join("journal.toml")
     }
 
+    /// Why it does not run, when it refuses to.
+    pub(crate) fn refusal(&self) -> PathBuf {
+        self.0.join(REFUSAL)
+    }
+
     /// What its process tells when it crashes.
     #[must_use]
     pub fn note(&self) -> PathBuf {
@@ -177,7 +187,7 @@ impl Place {
 
     /// Why its process did not start, in its own words; told once.
     pub(crate) fn taken_refusal(&self) -> Option<String> {
-        let file = self.0.join(REFUSAL);
+        let file = self.refusal();
         let why = fs::read_to_string(&file).ok()?;
         let _ = fs::remove_file(file);
         Some(why)
