@@ -1,6 +1,7 @@
 //! One cell: its process, from start to end and to the next start.
 
 mod hearing;
+mod supervised;
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -337,6 +338,8 @@ impl Cell {
     async fn start_and_run(&self) -> End {
         self.enter(CellState::Starting);
         self.with(|state| state.starts += 1);
+        // Of a process whose end no daemon saw.
+        let _ = self.place.taken_broken_rule();
         let started = match self.setup.write_config(&self.name, &self.place) {
             Ok(()) => Process::start(&self.setup.program, &self.name, &self.place)
                 .map_err(|error| error.to_string()),
@@ -372,9 +375,12 @@ impl Cell {
         tokio::select! {
             end = process.ended() => {
                 let _ = timeout(NOTICE, &mut follow).await;
-                end
+                self.place.taken_broken_rule().map_or(end, End::Supervised)
             },
-            () = &mut follow => process.ended().await,
+            () = &mut follow => {
+                let end = process.ended().await;
+                self.place.taken_broken_rule().map_or(end, End::Supervised)
+            }
             limit = self.silent() => self.kill_for(process, End::Silent(limit)).await,
             () = self.told_to_stop() => self.stop(process).await,
         }

@@ -15,6 +15,8 @@ pub(crate) enum End {
     Silent(std::time::Duration),
     /// It was not ready in time, and was killed for it.
     NotReady(std::time::Duration),
+    /// It ended itself, for a rule of supervision that was broken.
+    Supervised(String),
     /// It could not be started.
     NotStarted(String),
     /// It refused to run as it is configured.
@@ -43,6 +45,7 @@ impl fmt::Display for End {
             Self::NotReady(limit) => {
                 write!(f, "killed: it was not ready within {} s", limit.as_secs_f64())
             }
+            Self::Supervised(why) => write!(f, "ended by its supervision: {why}"),
             Self::NotStarted(why) => write!(f, "not started: {why}"),
             Self::Refused(why) => write!(f, "refused: {why}"),
         }

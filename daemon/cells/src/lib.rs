@@ -36,5 +36,5 @@ pub use cells::{Cells, OpenError};
 pub use client::AskError;
 pub use crashes::{Reports, StoreError};
 pub use own::OwnCell;
-pub use react::react;
-pub use setup::{Failure, Setup, Told};
+pub use react::{Rules, react};
+pub use setup::{Cause, Failure, Setup, Told};

@@ -133,6 +133,7 @@ fn down(cell: &Cell) -> Vec<Component> {
             cell: Some(told.name.clone()),
             library: known.map(|known| known.library.clone()).unwrap_or_default(),
             activities: 0,
+            supervision: Vec::new(),
             remotes: Vec::new(),
         }
     };

@@ -19,12 +19,15 @@ use genom_limits::{Grants, LimitError};
 use genom_supervisor::Supervisor;
 use genom_supervisor::bus::Heard;
 use rustix::fs::StatVfsMountFlags;
-use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+use rustix::process::{Resource, Rlimit, Signal, getpid, getrlimit, kill_process, setrlimit};
 use tokio::io::AsyncReadExt as _;
 use tokio::net::unix::pipe;
 
 /// Changes within this time are written down together.
 const TOGETHER: Duration = Duration::from_millis(20);
+
+/// How long a process that ends by its supervision may write its note.
+const LAST_WORDS: Duration = Duration::from_secs(3);
 
 /// This process is a cell.
 #[derive(Debug)]
@@ -66,6 +69,25 @@ impl OwnCell {
     #[must_use]
     pub fn before(&self) -> Deployment {
         self.before.clone()
+    }
+
+    /// Ends this process as a crash of that thread does, so that its daemon starts it again, also a
+    /// daemon that comes later. The thread is in a codel that has not returned: the report of the
+    /// crash shows where.
+    pub(crate) fn end(&self, why: &str, thread: Option<u32>) {
+        tracing::error!("this cell ends: {why}");
+        if let Err(error) = std::fs::write(self.place.broken_rule(), why) {
+            tracing::warn!("{}: {error}", self.place.broken_rule().display());
+        }
+        genom_host::abort_in(thread);
+        // A codel may block the signal, or its stack be of no use.
+        let spawned = std::thread::Builder::new().name("genomd-end".to_owned()).spawn(|| {
+            std::thread::sleep(LAST_WORDS);
+            let _ = kill_process(getpid(), Signal::KILL);
+        });
+        if spawned.is_err() {
+            let _ = kill_process(getpid(), Signal::KILL);
+        }
     }
 
     /// Writes down what it is to hold now. What of its start is not there yet still counts.

@@ -6,7 +6,7 @@
 
 use std::ffi::OsStr;
 use std::fs::{self, DirBuilder};
-use std::io;
+use std::io::{self, Read as _};
 use std::os::unix::ffi::OsStrExt as _;
 use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _};
 use std::path::{Path, PathBuf};
@@ -187,10 +187,17 @@ impl Place {
 
     /// Why its process did not start, in its own words; told once.
     pub(crate) fn taken_refusal(&self) -> Option<String> {
-        let file = self.refusal();
-        let why = fs::read_to_string(&file).ok()?;
-        let _ = fs::remove_file(file);
-        Some(why)
+        taken(&self.refusal())
+    }
+
+    /// Why it ended itself, when a rule of its supervision was broken.
+    pub(crate) fn broken_rule(&self) -> PathBuf {
+        self.0.join("broken-rule")
+    }
+
+    /// What it wrote there, which is removed.
+    pub(crate) fn taken_broken_rule(&self) -> Option<String> {
+        taken(&self.broken_rule())
     }
 
     /// The number of its process.
@@ -198,6 +205,18 @@ impl Place {
     pub fn pid(&self) -> PathBuf {
         self.0.join("pid")
     }
+}
+
+/// Most of what is read of a text that a cell wrote, in bytes.
+const MOST: u64 = 4096;
+
+/// What a cell wrote into a file, on one line; the file is removed.
+fn taken(file: &Path) -> Option<String> {
+    let mut text = Vec::new();
+    fs::File::open(file).ok()?.take(MOST).read_to_end(&mut text).ok()?;
+    let _ = fs::remove_file(file);
+    let text = String::from_utf8_lossy(&text);
+    Some(text.chars().map(|c| if c.is_control() && c != '\n' { ' ' } else { c }).collect())
 }
 
 #[cfg(test)]

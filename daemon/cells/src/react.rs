@@ -1,5 +1,5 @@
-//! What is done when components fail (`on_failure`): as soon as the end of their cell is seen, and
-//! before it is started again.
+//! What is done when components fail (`on_failure`), as soon as the end of their cell is seen, and
+//! before it is started again; and when they break a rule (`supervision`).
 
 use std::sync::{Arc, Weak};
 
@@ -7,13 +7,15 @@ use genom_configuration::{Act, CallEntry, Deed, Reaction};
 use genom_protocol::{CallReply, Change, Inputs, NoReaction, routes};
 use genom_supervisor::Supervisor;
 use genom_supervisor::components::request::{self, RequestError};
-use tokio::sync::mpsc::UnboundedReceiver;
+use genom_supervisor::reactor::{Asked, Reactor};
+use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender};
 use tokio::task::JoinError;
 
 use crate::cell::Down;
 use crate::cells::Cells;
 use crate::client::AskError;
-use crate::setup::Failure;
+use crate::own::OwnCell;
+use crate::setup::{Cause, Failure};
 
 /// Why something could not be done of another component.
 #[derive(Debug, thiserror::Error)]
@@ -32,6 +34,39 @@ enum ReactError {
     Own(#[from] JoinError),
 }
 
+/// Passes on what broken rules of this process ask for.
+pub struct Rules {
+    /// To [`react`].
+    pub failures: UnboundedSender<Failure>,
+    /// In a cell: its components, the only ones that it does something of, and what ends it. For
+    /// others its daemon does it, which hears of the violation.
+    pub own: Option<(Weak<Supervisor>, Arc<OwnCell>)>,
+}
+
+impl Reactor for Rules {
+    fn react(&self, asked: Asked) {
+        let Asked { component, mut reactions, seen } = asked;
+        if let Some((supervisor, _)) = &self.own {
+            let Some(supervisor) = supervisor.upgrade() else { return };
+            let here = |reaction: &Reaction| {
+                let deed = reaction.deed();
+                deed.is_ok_and(|deed| supervisor.components.get(&deed.component).is_some())
+            };
+            reactions.retain(here);
+        }
+        let failure = Failure { component, reactions, seen, cause: Cause::BrokenRule };
+        // Nobody listens any more when the daemon ends.
+        let _ = self.failures.send(failure);
+    }
+
+    fn restart(&self, why: &str, thread: Option<u32>) {
+        match &self.own {
+            Some((_, own)) => own.end(why, thread),
+            None => tracing::error!("supervision: the daemon's own process is not restarted"),
+        }
+    }
+}
+
 /// Does what is to be done for each failure, until nobody tells of any. What is to be done for one
 /// failure is done side by side: a service that waits delays no other.
 pub async fn react(
@@ -46,16 +81,18 @@ pub async fn react(
             tokio::spawn(async move {
                 let done = perform(&cells, &supervisor, &reaction).await;
                 let seconds = failure.seen.elapsed().as_secs_f64();
+                let key = failure.cause.key();
                 match &done {
                     Ok(()) => tracing::warn!(
                         instance = component,
-                        "on_failure: {reaction}, {:.1} ms after the end",
-                        seconds * 1e3
+                        "{key}: {reaction}, {:.1} ms after {}",
+                        seconds * 1e3,
+                        if failure.cause == Cause::Ended { "the end" } else { "it was seen" }
                     ),
                     Err(error) => tracing::error!(
                         instance = component,
-                        "on_failure: {reaction} was not done: {error}; see that the robot is safe, \
-                         then change [component.on_failure] of {component} or load what it names"
+                        "{key}: {reaction} was not done: {error}; see that the robot is safe, \
+                         then change [component.{key}] of {component} or load what it names"
                     ),
                 }
                 let error = done.err().map(|error| error.to_string());

@@ -62,8 +62,29 @@ pub struct Failure {
     pub component: String,
     /// What is to be done.
     pub reactions: Vec<Reaction>,
-    /// When the end of its process was seen.
+    /// When that was seen.
     pub seen: Instant,
+    /// How it failed.
+    pub cause: Cause,
+}
+
+/// How a component failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// The process of its cell ended.
+    Ended,
+    /// It broke a rule of its supervision.
+    BrokenRule,
+}
+
+impl Cause {
+    /// The key of the configuration that says what is to be done.
+    pub(crate) fn key(self) -> &'static str {
+        match self {
+            Self::Ended => "on_failure",
+            Self::BrokenRule => "supervision",
+        }
+    }
 }
 
 impl Setup {
@@ -76,7 +97,8 @@ impl Setup {
         let seen = Instant::now();
         for component in held.component.iter().filter(|one| !one.on_failure.is_empty()) {
             let (component, reactions) = (component.instance(), component.on_failure.clone());
-            self.tell(Told::Failed(Failure { component, reactions, seen }));
+            let cause = Cause::Ended;
+            self.tell(Told::Failed(Failure { component, reactions, seen, cause }));
         }
     }
 

@@ -26,8 +26,9 @@ pub use error::{
 };
 pub use file::{Config, MemoryCheck, Telemetry};
 pub use genom_protocol::{
-    Act, BackendNames, CallEntry, ClockKind, ConnectionEntry, Deed, Deployment, ExecutionKind,
-    LoadRequest, PortQos, QosEntry, Reaction, Right, TaskEntry,
+    Act, BackendNames, CallEntry, ClockKind, Condition, ConnectionEntry, Deed, Deployment,
+    ExecutionKind, LoadRequest, OwnResponse, PortQos, QosEntry, Reaction, Right, SupervisionEntry,
+    TaskEntry, Whose,
 };
 pub use limits::CellLimits;
 pub use offers::Offers;

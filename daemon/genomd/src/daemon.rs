@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use genom_cells::{Cells, Failure, Reports, Setup, Told, react};
+use genom_cells::{Cells, Failure, Reports, Rules, Setup, Told, react};
 use genom_configuration::RpcSettings;
 use genom_doors::{Slots, Streams};
 use genom_supervisor::Supervisor;
@@ -52,6 +52,8 @@ impl Daemon {
         let (rpc, closed) = (settings.rpc.clone(), CancellationToken::new());
         let supervisor = Supervisor::new(settings.supervisor.clone());
         let (failures, failed) = unbounded_channel();
+        let own = settings.own_cell.clone().map(|own| (Arc::downgrade(&supervisor), own));
+        supervisor.reactions.set(Rules { failures: failures.clone(), own });
         let cells = Arc::new(cells(settings, &supervisor, failures));
         let reacting = react(Arc::downgrade(&cells), Arc::clone(&supervisor), failed);
         tokio::spawn(reacting);

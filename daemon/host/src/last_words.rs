@@ -31,6 +31,21 @@ static BEFORE: OnceLock<[Option<libc::sigaction>; FAULTS.len()]> = OnceLock::new
 /// The daemon is ending normally: no report from here on.
 static ENDS_WELL: AtomicBool = AtomicBool::new(false);
 
+/// Ends the process as if this thread of it had called `abort`, so that the report shows where the
+/// thread is; `None` for the calling one. A thread that blocks the signal lives on.
+pub fn abort_in(thread: Option<u32>) {
+    let thread = thread.and_then(|thread| i32::try_from(thread).ok());
+    // SAFETY: sends a signal to a thread of this process, if there is such a thread, else to the
+    // process; its handler is ours.
+    unsafe {
+        let own = libc::getpid();
+        let thread = thread.unwrap_or_else(|| libc::gettid());
+        if libc::syscall(libc::SYS_tgkill, own, thread, libc::SIGABRT) != 0 {
+            libc::kill(own, libc::SIGABRT);
+        }
+    }
+}
+
 /// Installs the reports. Further calls do nothing.
 pub fn tell_last_words() {
     BEFORE.get_or_init(|| {

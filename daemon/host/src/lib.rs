@@ -25,7 +25,7 @@ mod what;
 
 pub use component::{Component, LoadError, LoadErrors, MemoryCheck, check_memory};
 pub use crash_note::note_crashes_in;
-pub use last_words::{end_is_ours, tell_last_words};
+pub use last_words::{abort_in, end_is_ours, tell_last_words};
 pub use library::{Contents, Digest, EmbeddedDescription, Library, OpenError};
 pub use process::{
     KeptProcess, StandardError, guard_process, keep_from_children, keep_off, raised_to_stop,

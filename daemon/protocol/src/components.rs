@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{BackendNames, RunningCodel, Spin};
+use crate::{BackendNames, Rule, RunningCodel, Spin};
 
 /// The components, in the order they were loaded.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -65,6 +65,9 @@ pub struct Component {
     pub library: PathBuf,
     /// Number of running activities.
     pub activities: usize,
+    /// What it is supervised by; absent if nothing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub supervision: Vec<Rule>,
     /// Names of its remotes: services of other components that its codels call.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remotes: Vec<String>,

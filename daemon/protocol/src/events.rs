@@ -4,6 +4,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use strum::VariantNames;
 
+use crate::Kind;
+
 /// `?only=KIND,KIND`
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -120,9 +122,27 @@ pub enum Change {
         #[serde(skip_serializing_if = "Option::is_none")]
         codel: Option<String>,
     },
-    /// Something was done since a component failed (`on_failure`), or could not be done. `seconds`
-    /// from the moment that the end of its process was seen until the service had ended, the
-    /// activity was accepted or the event was fired.
+    /// A component broke a rule of its supervision. `index` is that of the rule in `supervision` of
+    /// its request, `violations` how often it was broken so far; of one rule at most one event a
+    /// second.
+    SupervisionViolated {
+        component: String,
+        index: usize,
+        /// What must not happen.
+        rule: String,
+        kind: Kind,
+        /// What happened.
+        what: String,
+        /// The activity that did it; absent if none did.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        activity: Option<u64>,
+        violations: u64,
+        /// What is done: `event`, `interrupt`, `restart`, `call base/stop`...
+        reactions: Vec<String>,
+    },
+    /// Something was done since a component failed (`on_failure`) or broke a rule (`supervision`),
+    /// or could not be done. `seconds` from the moment that this was seen until the service had
+    /// ended, the activity was accepted or the event was fired.
     FailureReaction {
         component: String,
         reaction: String,

@@ -58,9 +58,11 @@ pub mod replay;
 mod right;
 pub mod routes;
 mod services;
+mod several;
 pub mod socket;
 pub mod sse;
 mod statistics;
+mod supervision;
 mod tokens;
 mod values;
 
@@ -110,6 +112,9 @@ pub use right::Right;
 pub use routes::STANDARD_SERVICES;
 pub use services::{CallParameters, CallReply, Inputs, Started};
 pub use statistics::{CodelStatistics, Durations, Statistics, TaskStatistics};
+pub use supervision::{
+    Condition, Kind, MOST_RULES, NoRule, OwnResponse, Response, Rule, SupervisionEntry, Whose,
+};
 pub use tokens::{Reloaded, TokenEntry, TokenFile};
 pub use values::{Form, StreamEnd, StreamParameters};
 

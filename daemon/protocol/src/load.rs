@@ -6,8 +6,9 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::on_failure::one_or_several;
-use crate::{BackendNames, QosEntry, Reaction, RestartPolicy};
+use crate::several::one_or_several;
+use crate::supervision::rules;
+use crate::{BackendNames, QosEntry, Reaction, RestartPolicy, SupervisionEntry};
 
 /// A component to load.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
@@ -47,6 +48,9 @@ pub struct LoadRequest {
     /// What is done of other components when it fails: when the process of its cell ends by a fault.
     #[serde(default, deserialize_with = "one_or_several", skip_serializing_if = "Vec::is_empty")]
     pub on_failure: Vec<Reaction>,
+    /// What its tasks, codels and activities are supervised by.
+    #[serde(default, deserialize_with = "rules", skip_serializing_if = "Vec::is_empty")]
+    pub supervision: Vec<SupervisionEntry>,
     /// Quality of service of its ports.
     #[serde(default, skip_serializing_if = "QosEntry::is_empty")]
     pub qos: QosEntry,

@@ -1,15 +1,15 @@
-//! What is done of other components when a component fails: the way to the safe state of a robot.
+//! What is done of other components when a component fails, or breaks a rule of its supervision: the
+//! way to the safe state of a robot.
 
 use std::fmt;
 
-use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-use serde::de::{Error as _, MapAccess, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::Address;
+use crate::several::Item;
 
-/// One thing to do when a component fails: exactly one of `call`, `start` and `fire`.
+/// One thing to do then: exactly one of `call`, `start` and `fire`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
@@ -70,15 +70,15 @@ pub struct Deed {
 pub enum NoReaction {
     /// None or several things to do.
     #[error(
-        "on_failure takes one of `call`, `start` and `fire`: for several things write \
+        "a reaction takes one of `call`, `start` and `fire`: for several things write a list, such as \
          [[component.on_failure]] for each"
     )]
     Number,
     /// No address.
-    #[error("on_failure: `{0}` is no COMPONENT/NAME of a service or event")]
+    #[error("`{0}` is no COMPONENT/NAME of a service or event")]
     Address(String),
     /// Inputs of an event.
-    #[error("on_failure: `fire` goes without `inputs`: events carry none")]
+    #[error("`fire` goes without `inputs`: events carry none")]
     Inputs,
 }
 
@@ -112,31 +112,12 @@ impl fmt::Display for Reaction {
     }
 }
 
-/// Reads one reaction, or a list of them.
-pub(crate) fn one_or_several<'de, D: Deserializer<'de>>(
-    from: D,
-) -> Result<Vec<Reaction>, D::Error> {
-    struct Reactions;
+impl Item for Reaction {
+    const EXPECTED: &str = "a table with `call`, `start` or `fire`, or a list of such tables";
 
-    impl<'de> Visitor<'de> for Reactions {
-        type Value = Vec<Reaction>;
-
-        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            f.write_str("a table with `call`, `start` or `fire`, or a list of such tables")
-        }
-
-        fn visit_map<M: MapAccess<'de>>(self, map: M) -> Result<Vec<Reaction>, M::Error> {
-            Reaction::deserialize(MapAccessDeserializer::new(map)).map(|one| vec![one])
-        }
-
-        fn visit_seq<S: SeqAccess<'de>>(self, all: S) -> Result<Vec<Reaction>, S::Error> {
-            Vec::deserialize(SeqAccessDeserializer::new(all))
-        }
+    fn mistake(&self) -> Option<String> {
+        self.deed().err().map(|error| error.to_string())
     }
-
-    let all = from.deserialize_any(Reactions)?;
-    all.iter().try_for_each(|one| one.deed().map(drop).map_err(D::Error::custom))?;
-    Ok(all)
 }
 
 #[cfg(test)]

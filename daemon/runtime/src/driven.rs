@@ -12,12 +12,16 @@ use crate::task::driven::DrivenTask;
 
 impl Driven for Engine {
     fn next_date(&self) -> Option<u64> {
-        if self.lock().phase == Phase::Stopped {
-            return None;
-        }
+        let late = {
+            let control = self.lock();
+            if control.phase == Phase::Stopped {
+                return None;
+            }
+            self.next_late(&control)
+        };
         let tasks = lock(self.driven.as_ref()?);
         // The state port is due as well.
-        tasks.iter().filter_map(|task| task.next).chain([self.state_due()]).min()
+        tasks.iter().filter_map(|task| task.next).chain([self.state_due()]).chain(late).min()
     }
 
     fn run(&self, now: u64) -> bool {

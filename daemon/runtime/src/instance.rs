@@ -165,6 +165,23 @@ impl Instance {
         all.filter(|codel| codel.stuck).max_by_key(|codel| codel.for_ns)
     }
 
+    /// Looks for codels that have not returned in time, and for ticks that are missed meanwhile, by
+    /// [`Options::rules`]; watchers are told before this returns. All other rules are looked at
+    /// without it.
+    ///
+    /// Returns when to look again; `None` if no rule needs that. On a virtual clock ticks are looked
+    /// at by the thread that steps it, and only a codel that counts as stuck is too late.
+    pub fn supervise(&self) -> Option<Duration> {
+        self.engine.supervise()
+    }
+
+    /// How often each rule of [`Options::rules`] was broken.
+    #[must_use]
+    pub fn violations(&self) -> Vec<u64> {
+        let rules = &self.engine.shared.rules;
+        rules.counts()
+    }
+
     /// Rounds of the control thread so far. `None` when there is no such thread: on a virtual
     /// clock, with [`Execution::Single`](crate::Execution::Single), and once the instance has
     /// stopped.

@@ -27,8 +27,9 @@ impl Member for Engine {
                 return Turn::Over;
             }
             if control.ready.is_empty() || control.contexts.is_empty() {
-                let often = self.looks_often(&control);
-                return self.next_look(often, now).map_or(Turn::Idle, Turn::At);
+                let (often, late) = (self.looks_often(&control), self.next_late(&control));
+                let next = self.next_look(often, now).into_iter().chain(late).min();
+                return next.map_or(Turn::Idle, Turn::At);
             }
         }
         self.serve_next();

@@ -10,11 +10,12 @@ use rtrb::Producer;
 
 use crate::at_work::AtWork;
 use crate::body::Body;
-use crate::clock::{Clock, nanos};
+use crate::clock::Clock;
 use crate::exclusion::Exclusion;
 use crate::figures::{CodelFigures, TaskFigures};
 use crate::histogram::Counter;
 use crate::plan::Plan;
+use crate::rules::{Fact, Rules, Seen, Supervised};
 use crate::task::call::Call;
 use crate::task::hurry::Hurry;
 use crate::task::timing::Timing;
@@ -27,8 +28,8 @@ pub(crate) struct Shared {
     pub(crate) exclusion: Exclusion,
     pub(crate) tasks: Indexed<TaskIx, TaskShared>,
     pub(crate) codels: Indexed<CodelIx, CodelFigures>,
-    /// `wcet` of each codel in nanoseconds, `u64::MAX` without one.
-    wcet: Indexed<CodelIx, u64>,
+    /// What it is supervised by.
+    pub(crate) rules: Rules,
     /// The codel that each context runs.
     pub(crate) at_work: Box<[AtWork]>,
     /// The control thread, once it runs; there is none with a virtual clock.
@@ -80,6 +81,7 @@ impl Shared {
         clock: Clock,
         timings: Indexed<TaskIx, Option<Timing>>,
         call: Option<Arc<Call>>,
+        rules: Vec<Supervised>,
     ) -> Self {
         let model = plan.component();
         let sinks = model.sinks.len().div_ceil(64);
@@ -94,7 +96,7 @@ impl Shared {
                 .map(|timing| TaskShared::new(timing, sinks, call.clone()))
                 .collect(),
             codels: model.codels.iter().map(|_| CodelFigures::default()).collect(),
-            wcet: model.codels.iter().map(|codel| codel.wcet.map_or(u64::MAX, nanos)).collect(),
+            rules: Rules::new(plan, rules),
             at_work: (0..contexts).map(|_| AtWork::default()).collect(),
             control: OnceLock::new(),
             call,
@@ -109,19 +111,49 @@ impl Shared {
         self.plan.contexts()
     }
 
-    /// Records a call of a codel and its duration.
+    /// Records a call of a codel that began at `since` in this context, and its duration. Tells the
+    /// rules that it breaks by that, with their indices.
     #[inline]
-    pub(crate) fn called(&self, codel: CodelIx, ns: u64) {
+    pub(crate) fn called(
+        &self,
+        codel: CodelIx,
+        ns: u64,
+        call: (usize, u64),
+        tell: impl FnMut(usize, Fact),
+    ) {
         let figures = &self.codels[codel];
         figures.durations.record(ns);
-        if ns > self.wcet[codel] {
-            figures.above_wcet.add(1);
+        let bound = self.rules.bound(codel);
+        if ns > bound.longest {
+            if ns > bound.wcet {
+                figures.above_wcet.add(1);
+            }
+            self.rules.returned(codel, ns, call, tell);
         }
+    }
+
+    /// Tells the rules that a call of this codel breaks by its order, before it is made.
+    #[inline]
+    pub(crate) fn calls(&self, codel: CodelIx, tell: impl FnMut(usize, Fact)) {
+        if self.rules.bound(codel).ordered {
+            let has_run = |codel: CodelIx| self.codels[codel].durations.totals().0 > 0;
+            self.rules.called(&self.plan, codel, has_run, tell);
+        }
+    }
+
+    /// Counts a violation and sends it to control; when the ring is full it is only counted.
+    #[cold]
+    pub(crate) fn violated(&self, ring: &mut Option<Producer<Seen>>, seen: Seen) {
+        let seen = self.rules.counted(seen);
+        if let Some(ring) = ring {
+            let _ = ring.push(seen);
+        }
+        self.wake_control();
     }
 
     /// The codel that a context runs now.
     pub(crate) fn current(&self, context: usize) -> Option<CodelIx> {
-        self.at_work[context].look().map(|(codel, _)| codel)
+        self.at_work[context].look().map(|(codel, ..)| codel)
     }
 
     /// genom3.md 7.3.8, 7.4: something happened in the component, so paused tasks run again.

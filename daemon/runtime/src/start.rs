@@ -15,6 +15,7 @@ use crate::executor::Member;
 use crate::lock::lock;
 use crate::options::{Execution, GiveUp, Options, TaskOptions};
 use crate::plan::Plan;
+use crate::rules::MOST_RULES;
 use crate::running::{RunningCodel, seconds};
 use crate::shared::Shared;
 use crate::task::driven::DrivenTask;
@@ -26,6 +27,8 @@ use crate::task::{scheduling, thread};
 const STACK: u64 = 8 << 20;
 /// Capacity of the ring of notices to watchers.
 const NOTICES: usize = 4096;
+/// Capacity of the ring of broken rules; further ones are counted only.
+const BROKEN: usize = 64;
 /// Timeout of undoing a failed start-up.
 const UNDO: Duration = Duration::from_secs(5);
 
@@ -127,10 +130,13 @@ impl Engine {
         let epoch = single.as_ref().map_or_else(|| clock.now(), |executor| executor.epoch());
         let timings =
             model.tasks.iter().zip(&of_task).map(|(task, o)| timing(task, o, epoch)).collect();
-        let shared = Arc::new(Shared::new(plan, body, clock.clone(), timings, call));
+        let mut rules = std::mem::take(&mut options.rules);
+        rules.truncate(MOST_RULES);
+        let supervised = !rules.is_empty();
+        let shared = Arc::new(Shared::new(plan, body, clock.clone(), timings, call, rules));
         let watched = options.watcher.is_some();
         let (links, sides): (Vec<_>, Vec<_>) =
-            model.tasks.iter().map(|_| rings(options.activity_limit, watched)).unzip();
+            model.tasks.iter().map(|_| rings(options.activity_limit, watched, supervised)).unzip();
         let runners = shared.tasks.places().zip(sides);
         let runners: Vec<Runner> =
             runners.map(|(task, side)| Runner::new(Arc::clone(&shared), task, side)).collect();
@@ -232,6 +238,8 @@ impl Engine {
             stage: Stage::Sent,
             by: None,
             reply: None,
+            accepted: self.shared.clock.now(),
+            late: 0,
         });
         control.send(task, run);
     }
@@ -330,10 +338,14 @@ impl Patience {
 }
 
 /// Creates the rings between control and one task.
-fn rings(limit: usize, watched: bool) -> (TaskLink, TaskSide) {
+fn rings(limit: usize, watched: bool, supervised: bool) -> (TaskLink, TaskSide) {
     // Room for every slot, the permanent activity, and the one created again at shutdown.
     let (to, inbox) = RingBuffer::new(limit + 2);
     let (outbox, from) = RingBuffer::new(limit + 2);
     let (sender, receiver) = watched.then(|| RingBuffer::new(NOTICES)).unzip();
-    (TaskLink { to, from, notices: receiver, used: 0 }, TaskSide { inbox, outbox, notices: sender })
+    let (tell, told) = supervised.then(|| RingBuffer::new(BROKEN)).unzip();
+    (
+        TaskLink { to, from, notices: receiver, broken: told, used: 0 },
+        TaskSide { inbox, outbox, notices: sender, broken: tell },
+    )
 }

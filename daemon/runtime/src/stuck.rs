@@ -36,7 +36,7 @@ impl Engine {
     }
 
     fn running_codel(&self, context: usize, now: u64) -> Option<RunningCodel> {
-        let (ix, since) = self.shared.at_work[context].look()?;
+        let (ix, _, since) = self.shared.at_work[context].look()?;
         let model: &Component = self.shared.plan.component();
         let codel = model.codels.get(ix)?;
         let for_ns = now.saturating_sub(since);
@@ -52,7 +52,7 @@ impl Engine {
     }
 
     /// Nanoseconds after which a codel in a context counts as stuck.
-    fn stuck_limit(&self, codel: CodelIx, context: usize) -> u64 {
+    pub(crate) fn stuck_limit(&self, codel: CodelIx, context: usize) -> u64 {
         // A codel with a `wcet` counts as stuck only beyond it.
         let stated = self.shared.plan.component().codels[codel].wcet.map_or(0, nanos);
         self.patience_with(context).max(stated)

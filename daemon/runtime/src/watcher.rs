@@ -2,6 +2,8 @@
 
 use genom_description::model::{ServiceIx, StateIx, TaskIx};
 
+use crate::rules::Violation;
+
 /// A change inside an instance.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Change {
@@ -37,6 +39,8 @@ pub enum Change {
         /// Number of ticks missed.
         ticks: u64,
     },
+    /// A rule was broken that the instance is supervised by.
+    Violated(Violation),
     /// A permanent activity ended with an exception: the component will be shut down.
     Failed {
         /// The task of the permanent activity.
@@ -48,7 +52,9 @@ pub enum Change {
 
 /// Receives the changes inside an instance.
 pub trait Watcher: Send + Sync {
-    /// Called by control threads, never by a task's thread; in order for each activity.
+    /// Called by control threads and by the caller of
+    /// [`Instance::supervise`](crate::Instance::supervise), never by a task's thread; in order for
+    /// each activity.
     ///
     /// If the watcher does not keep up, [`Change::Moved`] and [`Change::Overrun`] are dropped and
     /// counted in [`Statistics::lost_changes`](crate::Statistics::lost_changes).

@@ -7,9 +7,11 @@ mod support;
 use std::sync::Arc;
 use std::sync::Mutex;
 use std::sync::mpsc::channel;
+use std::time::Duration;
 
 use genom_allocations as allocations;
-use genom_runtime::{Change, Watcher};
+use genom_description::model::Owner;
+use genom_runtime::{Change, Ix as _, Rule, Supervised, TaskIx, Watcher};
 use support::closures::{Closures, Codel, LONG, next, request};
 
 struct Blind;
@@ -62,7 +64,26 @@ fn ten_thousand_ticks_allocate_nothing() {
             ("wait", again("pause::start")),
         ],
     );
-    let instance = body.start_with(|options| options.watcher = Some(Arc::new(Blind)));
+    // Rules that each tick breaks.
+    let (task, model) = (TaskIx::new(0), body.plan.component());
+    let of = |name: &str| {
+        let pairs = model.codels.pairs();
+        pairs.filter_map(|(ix, codel)| (codel.name == name).then_some(ix)).collect::<Vec<_>>()
+    };
+    let state = |name| model.state(name).unwrap();
+    let busy = body.plan.service("busy").unwrap();
+    let rules = [
+        Rule::Longest { codels: vec![(of("tick")[0], Duration::ZERO)] },
+        Rule::Missed { task, ticks: 1, within: Duration::from_secs(1) },
+        Rule::During { codels: of("tick"), service: busy },
+        Rule::After { codels: of("two"), first: of("extra") },
+        Rule::Step { owner: Owner::Service(busy), from: state("start"), to: state("main") },
+    ];
+    let instance = body.start_with(|options| {
+        options.watcher = Some(Arc::new(Blind));
+        let all = rules.into_iter().map(|rule| Supervised { rule, interrupts: false });
+        options.rules = all.collect();
+    });
     let _busy = [request(&instance, "busy"), request(&instance, "busy")];
     let _aside = request(&instance, "aside");
     // Activities start and end, and requests contend, while the ticks are counted.
@@ -77,5 +98,7 @@ fn ten_thousand_ticks_allocate_nothing() {
         instance.fire(0).unwrap();
     };
     assert_eq!(allocated, 0);
+    let [long, _, during, after, step] = instance.violations()[..] else { panic!("five rules") };
+    assert!(long >= TICKS && during > 0 && after > 0 && step > 0, "{:?}", instance.violations());
     instance.shutdown(LONG).unwrap();
 }

@@ -40,6 +40,7 @@ pub mod known;
 pub mod limits;
 pub mod loading;
 pub mod outcome;
+pub mod reactor;
 pub mod recording;
 pub mod settings;
 pub mod spans;

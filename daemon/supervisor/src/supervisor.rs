@@ -1,6 +1,7 @@
 //! The supervisor: the state its parts share, and how it stops.
 
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::thread::Thread;
 use std::time::{Duration, Instant};
 
 use genom_configuration::{ClockKind, ExecutionKind};
@@ -13,6 +14,7 @@ use crate::components::{Components, Hosted, UnloadError};
 use crate::connections::{self, Connections, Opening};
 use crate::flag::Flag;
 use crate::known::Known;
+use crate::reactor::Reactions;
 use crate::recording::{Recordings, Session};
 use crate::settings::Settings;
 use crate::vigil;
@@ -31,6 +33,10 @@ pub struct Supervisor {
     pub clock: Clock,
     /// Which threads execute the components.
     pub execution: Execution,
+    /// What broken rules of supervision ask for.
+    pub reactions: Arc<Reactions>,
+    /// The thread that watches codels.
+    vigil: OnceLock<Thread>,
     /// Where changes are reported.
     pub bus: Arc<Bus>,
     /// The running recordings.
@@ -80,6 +86,8 @@ impl Supervisor {
             clock,
             execution,
             bus,
+            reactions: Arc::default(),
+            vigil: OnceLock::new(),
             recordings,
             deploying: Mutex::default(),
             stop: Flag::new(),
@@ -97,13 +105,34 @@ impl Supervisor {
     pub fn watch(&self) -> std::io::Result<()> {
         connections::watch(self.connections.clone(), self.stop.clone())?;
         let (components, bus) = (Arc::clone(&self.components), Arc::clone(&self.bus));
-        vigil::watch(components, bus, self.closed.clone())
+        let thread = vigil::watch(components, bus, self.closed.clone())?;
+        let _ = self.vigil.set(thread);
+        Ok(())
+    }
+
+    /// Rounds so far of the thread that all components share; `None` if they share none.
+    pub fn shared_rounds(&self) -> Option<u64> {
+        match &self.execution {
+            Execution::Threads => None,
+            Execution::Single(executor) => executor.rounds(),
+        }
+    }
+
+    /// Asks the thread that all components share for another round.
+    pub fn wake_shared(&self) {
+        if let Execution::Single(executor) = &self.execution {
+            executor.wake();
+        }
     }
 
     /// Reports that a component is running, and attaches running recordings.
     pub fn runs(&self, hosted: &Hosted) {
         hosted.record();
         let backend = hosted.ties.bindings.component();
+        if let Some(vigil) = self.vigil.get().filter(|_| !hosted.request.supervision.is_empty()) {
+            // It looks as often as these rules need.
+            vigil.unpark();
+        }
         tracing::info!(instance = hosted.name, "runs on {backend}");
         self.bus.tell(&Change::ComponentLoaded {
             component: hosted.name.clone(),

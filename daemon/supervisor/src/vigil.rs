@@ -1,9 +1,10 @@
-//! Watches for codels that do not return or do not pause: reports when one counts as stuck, when it
-//! returns and when one spins, and frees components that were left behind once their threads end.
+//! Looks at the rules of supervision that tasks themselves cannot see broken, and watches for codels
+//! that do not return or do not pause: reports when one counts as stuck, when it returns and when
+//! one spins, and frees components that were left behind once their threads end.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
-use std::thread;
+use std::thread::{self, Thread};
 use std::time::{Duration, Instant};
 
 use genom_description::model::TaskIx;
@@ -23,16 +24,22 @@ pub(crate) fn watch(
     components: Arc<Components>,
     bus: Arc<Bus>,
     closed: Flag,
-) -> std::io::Result<()> {
-    thread::Builder::new().name("genomd-vigil".to_owned()).spawn(move || {
+) -> std::io::Result<Thread> {
+    let thread = thread::Builder::new().name("genomd-vigil".to_owned()).spawn(move || {
         let mut vigil =
             Vigil { bus, told: HashMap::new(), spins: HashSet::new(), logged: HashMap::new() };
+        let mut last = None;
         while !closed.is_up() {
-            vigil.look(&components);
-            thread::park_timeout(LOOK);
+            // Rules may need to be looked at more often.
+            let next = components.all().iter().filter_map(|hosted| hosted.supervise()).min();
+            if last.is_none_or(|last: Instant| last.elapsed() >= LOOK) {
+                last = Some(Instant::now());
+                vigil.look(&components);
+            }
+            thread::park_timeout(next.map_or(LOOK, |next| next.min(LOOK)));
         }
     })?;
-    Ok(())
+    Ok(thread.thread().clone())
 }
 
 /// Name of a component, and index of one of its contexts.

@@ -29,6 +29,9 @@ impl Cell {
                         self.ask_to_stop();
                     }
                 }
+                if change["event"] == "supervision_violated" {
+                    self.supervised(&change).await;
+                }
                 self.setup.tell(Told::Change(change));
             }
         };

@@ -129,6 +129,10 @@ async fn components(session: &Session) -> Vec<Finding> {
         let name = &component.name;
         found.extend(component.stuck.iter().map(|codel| stuck(name, codel)));
         found.extend(component.spins.iter().map(|spin| spins(name, spin)));
+        for rule in component.supervision.iter().filter(|rule| rule.violations > 0) {
+            let (what, fix) = (advice::broken_rule(name, rule), advice::after_broken_rule(name));
+            found.push(Finding::problem("supervision", what, fix));
+        }
         if component.state == "damaged" {
             let what = format!("codels of {name} wrote past the memory they were given");
             let fix = format!(

@@ -240,6 +240,7 @@ mod tests {
             port_backends: Default::default(),
             library: "demo.so".into(),
             activities: 1,
+            supervision: Vec::new(),
             remotes: Vec::new(),
         };
         let passed = Counts { samples, ..Counts::default() };

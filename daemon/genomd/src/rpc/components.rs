@@ -218,6 +218,7 @@ fn summary(hosted: &Hosted) -> Component {
         cell: None,
         library: hosted.library.clone(),
         activities: hosted.activities.running(),
+        supervision: hosted.rules(),
         remotes: hosted.model().remotes.iter().map(|remote| remote.name.clone()).collect(),
     }
 }
@@ -247,6 +248,7 @@ fn refused(error: &LoadError) -> RpcError {
         LoadError::Qos { port, .. } => {
             RpcError::bad_input(message).place(format!("/qos/ports/{port}"))
         }
+        LoadError::Supervision { .. } => RpcError::bad_input(message).place("/supervision"),
         LoadError::Stopping => RpcError::conflict(Code::Stopping, message),
         _ => RpcError::new(StatusCode::UNPROCESSABLE_ENTITY, Code::NotLoadable, message)
             .place("/library"),

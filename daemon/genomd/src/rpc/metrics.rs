@@ -74,6 +74,12 @@ fn describe(page: &mut Page, hosted: &Hosted) {
             ("Whether the task has a real-time priority.", u8::from(task.real_time));
         page.add("genom_task_real_time", GAUGE, help, &labels, f64::from(value));
     }
+    for rule in hosted.rules() {
+        let labels = [own[0], ("kind", rule.kind.name()), ("rule", rule.rule.as_str())];
+        let help = "Times that a rule of supervision was broken.";
+        let name = "genom_supervision_violations_total";
+        page.add(name, COUNTER, help, &labels, count(rule.violations));
+    }
     for codel in &statistics.codels {
         let labels = [own[0], ("owner", codel.owner.as_str()), ("codel", codel.name.as_str())];
         durations(page, "genom_codel_seconds", "Time in a codel.", &labels, &codel.durations);

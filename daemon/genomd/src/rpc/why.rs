@@ -150,6 +150,7 @@ fn of_component(hosted: &Hosted) -> Vec<Finding> {
     stuck_codels(hosted, &mut out);
     spinning_codels(hosted, &mut out);
     stopped_tasks(hosted, &mut out);
+    broken_rules(hosted, &mut out);
     if let Some(written) = hosted.damage() {
         let fix = "set check_memory = \"each-codel\" to find the codel, mend it and load it again";
         out.push(finding(format!("the memory of {} is damaged: {written}", hosted.name), fix));
@@ -285,5 +286,13 @@ fn stopped_tasks(hosted: &Hosted, out: &mut Vec<Finding>) {
     for task in hosted.figures().tasks.iter().filter(|task| task.overruns > 0) {
         let what = format!("task {} of {name} missed {} ticks", task.name, task.overruns);
         out.push(finding(what, advice::overruns(name)));
+    }
+}
+
+/// Rules of supervision that were broken.
+fn broken_rules(hosted: &Hosted, out: &mut Vec<Finding>) {
+    let name = &hosted.name;
+    for rule in hosted.rules().iter().filter(|rule| rule.violations > 0) {
+        out.push(finding(advice::broken_rule(name, rule), advice::after_broken_rule(name)));
     }
 }

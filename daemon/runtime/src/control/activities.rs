@@ -45,6 +45,8 @@ impl Engine {
                 stage: Stage::Accepting,
                 by: stopping.then(|| "kill".to_owned()),
                 reply: None,
+                accepted: self.shared.clock.now(),
+                late: 0,
             });
             run
         };

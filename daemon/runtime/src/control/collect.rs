@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 use super::{Afterwards, Control, Stage, genom, interrupted, take_attention};
 use crate::api::{Exception, Outcome};
 use crate::engine::Engine;
+use crate::rules::Seen;
 use crate::shared::Notice;
 use crate::task::run::{Bad, Run, RunOutcome};
 use crate::watcher::Change;
@@ -16,6 +17,7 @@ impl Engine {
     pub(crate) fn attend(&self) -> bool {
         let asked = take_attention(&self.shared);
         let mut after = Afterwards::default();
+        let now = self.shared.clock.now();
         let write_state = {
             let mut control = self.lock();
             for task in control.links.places() {
@@ -32,10 +34,20 @@ impl Engine {
                         Notice::Overrun { task, ticks } => Change::Overrun { task, ticks },
                     }));
                 }
+                let broken = link.broken.as_mut().into_iter();
+                let broken: Vec<Seen> =
+                    broken.flat_map(|ring| std::iter::from_fn(|| ring.pop().ok())).collect();
+                for seen in broken {
+                    self.violated(&mut control, seen, &mut after);
+                }
                 for run in ended {
-                    self.finish(&mut control, task, run, &mut after);
+                    self.finish(&mut control, task, run, now, &mut after);
                 }
             }
+            for seen in self.shared.rules.take_aside() {
+                self.violated(&mut control, seen, &mut after);
+            }
+            self.look_at_rules(&mut control, now, &mut after);
             self.examine(&mut control, &mut after);
             std::mem::take(&mut control.dirty)
         };
@@ -65,10 +77,13 @@ impl Engine {
         control: &mut Control,
         task: TaskIx,
         mut run: Box<Run>,
+        now: u64,
         after: &mut Afterwards,
     ) {
         control.dirty = true;
         let Some(at) = control.entries.iter().position(|entry| entry.id == run.id) else { return };
+        // One that ends when its time is just over is in time.
+        self.look_at_activity(control, at, now.saturating_sub(1), after);
         let mut entry = control.entries.remove(at);
         let outcome = self.outcome(&run, entry.by.as_deref());
         let Some(service) = entry.service else {

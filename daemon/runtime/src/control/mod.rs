@@ -19,6 +19,7 @@ use serde_json::{Value, json};
 use crate::api::{Exception, Inputs, OnShutdown, Outcome, Progress, Reply};
 use crate::lock::lock;
 use crate::plan::Plan;
+use crate::rules::Seen;
 use crate::shared::Notice;
 use crate::task::run::{Marker, Run};
 use crate::ticket::Ticket;
@@ -84,6 +85,10 @@ pub(crate) struct Entry {
     /// Name of who first asked it to stop, if anybody did.
     pub(crate) by: Option<String>,
     pub(crate) reply: Option<Reply>,
+    /// When it was accepted, by the clock of the instance.
+    pub(crate) accepted: u64,
+    /// A bit for each rule about its time that it has broken.
+    pub(crate) late: u32,
 }
 
 /// Control's ends of the rings to and from one task.
@@ -91,6 +96,7 @@ pub(crate) struct TaskLink {
     pub(crate) to: Producer<Box<Run>>,
     pub(crate) from: Consumer<Box<Run>>,
     pub(crate) notices: Option<Consumer<Notice>>,
+    pub(crate) broken: Option<Consumer<Seen>>,
     /// Slots taken by activities of services.
     pub(crate) used: usize,
 }

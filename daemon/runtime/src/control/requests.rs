@@ -352,12 +352,14 @@ impl Engine {
         let permit = shared.exclusion.enter(context, shared.plan.nodes().codel(codel));
         begin(ticket)?;
         let called = shared.clock.now();
-        let at_work = &shared.at_work[context];
-        at_work.begins(codel, shared.clock.real(called));
+        shared.calls(codel, |rule, fact| self.violated_aside(rule, fact));
+        let (at_work, since) = (&shared.at_work[context], shared.clock.real(called));
+        at_work.begins(codel, 0, since);
         let returned = frame.call(codel, context);
         at_work.ends();
         drop(permit);
-        shared.called(codel, shared.clock.now().saturating_sub(called));
+        let ns = shared.clock.now().saturating_sub(called);
+        shared.called(codel, ns, (context, since), |rule, fact| self.violated_aside(rule, fact));
         Ok(returned)
     }
 

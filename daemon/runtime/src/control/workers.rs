@@ -151,11 +151,13 @@ impl Engine {
     /// The control thread: collects results of tasks until the instance has stopped.
     pub(crate) fn attend_until_stopped(&self) {
         loop {
-            let often = {
+            let (often, late) = {
                 let control = self.lock();
-                self.looks_often(&control)
+                (self.looks_often(&control), self.next_late(&control))
             };
             let period = if often { LOOK } else { Duration::from_nanos(PERIOD_NS) };
+            let left = late.map(|late| late.saturating_sub(self.shared.clock.now()));
+            let period = left.map_or(period, |left| period.min(Duration::from_nanos(left)));
             if !self.shared.attention.load(Ordering::Acquire) {
                 std::thread::park_timeout(period);
             }

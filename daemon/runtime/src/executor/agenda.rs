@@ -7,6 +7,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use super::link::{Link, Mail};
 use super::member::{Member, Turn};
@@ -77,6 +78,8 @@ impl Agenda {
         let bell = Arc::clone(&self.link.bell);
         let mut rung = true;
         loop {
+            let rounds = &self.link.rounds;
+            rounds.store(rounds.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
             if rung {
                 self.link.take_mail().into_iter().for_each(|mail| self.admit(mail));
                 self.look();

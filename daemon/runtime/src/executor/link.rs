@@ -28,6 +28,8 @@ pub(crate) struct Link {
     pub(crate) epoch: u64,
     pub(crate) thread: OnceLock<ThreadId>,
     closed: AtomicBool,
+    /// Rounds of the thread so far; only the thread counts.
+    pub(crate) rounds: AtomicU64,
     seats: AtomicU64,
     mail: Mutex<Vec<Mail>>,
     has_mail: AtomicBool,
@@ -42,6 +44,7 @@ impl Link {
             epoch,
             thread: OnceLock::new(),
             closed: AtomicBool::new(false),
+            rounds: AtomicU64::new(0),
             seats: AtomicU64::new(0),
             mail: Mutex::default(),
             has_mail: AtomicBool::new(false),

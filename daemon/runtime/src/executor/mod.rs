@@ -10,6 +10,7 @@ mod member;
 
 use std::fmt;
 use std::num::NonZeroU64;
+use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
 
 use agenda::Agenda;
@@ -92,6 +93,18 @@ impl Executor {
     /// The codel that the thread has been in for longest.
     pub(crate) fn running(&self) -> Option<RunningCodel> {
         self.link.running()
+    }
+
+    /// Rounds of the thread so far: between two of them it runs one codel, or several that follow
+    /// each other without pause. `None` while there is no thread.
+    #[must_use]
+    pub fn rounds(&self) -> Option<u64> {
+        lock(&self.open).then(|| self.link.rounds.load(Ordering::Relaxed))
+    }
+
+    /// Asks the thread for another round.
+    pub fn wake(&self) {
+        self.link.bell.get_up();
     }
 
     /// Whether this is the thread.

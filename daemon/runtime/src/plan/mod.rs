@@ -139,6 +139,15 @@ impl Plan {
         self.events.get(usize::from(event.0)).map_or("", |event| event.name.as_str())
     }
 
+    /// The state that an event names, with or without a pause.
+    #[must_use]
+    pub fn state_of(&self, event: EventId) -> Option<StateIx> {
+        match self.events.get(usize::from(event.0))?.meaning {
+            Meaning::State { state, .. } => Some(state),
+            Meaning::Exception(_) => None,
+        }
+    }
+
     /// Full name of a state (`::demo::main`).
     #[must_use]
     pub fn state_name(&self, state: StateIx) -> &str {

@@ -15,6 +15,10 @@ pub(crate) trait Calls {
     fn call(&mut self, run: &mut Run, codel: CodelIx) -> Returned;
     /// A token of this run moved, or paused in the state where it was.
     fn moved(&mut self, run: &Run, token: Token);
+    /// This run begins.
+    fn begins(&mut self, _run: &Run) {}
+    /// A codel of this run yielded another state than its own, or its end: `ether`.
+    fn stepped(&mut self, _run: &Run, _from: StateIx, _to: StateIx) {}
     /// A codel yielded a state without pause.
     fn goes_on(&mut self, _codel: CodelIx) {}
 }
@@ -100,10 +104,12 @@ fn prepare(run: &mut Run, plan: &Plan, runnable: bool, calls: &mut impl Calls) {
         Status::Cancelled => run.outcome = Some(RunOutcome::Cancelled),
         Status::Init if run.at_stop && runnable => {
             run.marker.set(Status::Stop);
+            calls.begins(run);
             enter(run, ready(machine.stop), machine.codel(machine.stop).is_some(), calls);
         }
         Status::Init if runnable => {
             if run.marker.leave_init(Status::Run) {
+                calls.begins(run);
                 enter(run, ready(machine.start), machine.codel(machine.start).is_some(), calls);
             } else {
                 run.outcome = Some(RunOutcome::Cancelled);
@@ -186,7 +192,12 @@ fn step(run: &mut Run, plan: &Plan, by_period: bool, calls: &mut impl Calls, pas
                     }
                     Transition::Pause(to) => Token { state: to.ix(), mode: Mode::Paused },
                     Transition::Sleep(to) => Token { state: to.ix(), mode: Mode::Asleep },
-                    Transition::End => Token { state, mode: Mode::Done },
+                    Transition::End => {
+                        if let Some(to) = plan.state_of(event) {
+                            calls.stepped(run, state, to);
+                        }
+                        Token { state, mode: Mode::Done }
+                    }
                     Transition::Throw => {
                         run.outcome = Some(RunOutcome::Thrown(event));
                         return;
@@ -208,6 +219,9 @@ fn step(run: &mut Run, plan: &Plan, by_period: bool, calls: &mut impl Calls, pas
             }
         };
         run.tokens[at] = token;
+        if token.state != state {
+            calls.stepped(run, state, token.state);
+        }
         if token.mode != Mode::Done {
             // Only changes are reported to watchers: a further pause in the same state is none.
             if run.marker.show(token) {

@@ -8,6 +8,7 @@ use rtrb::{Consumer, Producer};
 use super::core::{Calls, Core, Passed};
 use super::run::{Mode, Run, RunOutcome, Token};
 use crate::body::Returned;
+use crate::rules::{Fact, Seen};
 use crate::shared::{Notice, Shared};
 
 /// A task's ends of the rings to and from control, which are bounded and wait-free.
@@ -18,6 +19,8 @@ pub(crate) struct TaskSide {
     pub(crate) outbox: Producer<Box<Run>>,
     /// Notices to watchers; `None` if there are none.
     pub(crate) notices: Option<Producer<Notice>>,
+    /// Rules that were broken; `None` if there are no rules.
+    pub(crate) broken: Option<Producer<Seen>>,
 }
 
 /// One task of an instance; driven by a thread, or by the thread that steps a virtual clock.
@@ -70,7 +73,8 @@ impl Runner {
         if self.core.is_empty() {
             return Passed::default();
         }
-        let mut calls = Caller { shared, task: self.task, now, notices: &mut self.side.notices };
+        let TaskSide { notices, broken, .. } = &mut self.side;
+        let mut calls = Caller { shared, task: self.task, now, notices, broken };
         let passed = self.core.pass(&shared.plan, runnable, &self.fired, &mut calls);
         self.end = calls.now;
         if passed.moved {
@@ -89,6 +93,9 @@ impl Runner {
         let mut any = false;
         self.core.take_ended(|mut run| {
             any = true;
+            if run.outcome != Some(RunOutcome::Cancelled) {
+                shared.rules.ends(run.machine);
+            }
             let machine = &shared.plan.machines()[run.machine];
             if let (Some(RunOutcome::Success), Some(node)) =
                 (run.outcome, shared.fetch_node(machine.owner))
@@ -110,6 +117,9 @@ impl Runner {
         self.shared.tasks[self.task].figures.overruns.missed(ticks);
         let notice = Notice::Overrun { task: self.task, ticks };
         self.shared.notify(&mut self.side.notices, notice);
+        if self.shared.rules.watches_ticks(self.task) {
+            self.shared.wake_control();
+        }
     }
 }
 
@@ -120,6 +130,15 @@ struct Caller<'a> {
     /// Date at which the last codel ended, and the next one starts, in nanoseconds.
     now: u64,
     notices: &'a mut Option<Producer<Notice>>,
+    broken: &'a mut Option<Producer<Seen>>,
+}
+
+impl Caller<'_> {
+    /// Sends control what an activity did.
+    fn violated(&mut self, run: &Run, rule: usize, fact: Fact) {
+        let seen = Seen { rule, activity: run.id, date: self.now, fact };
+        self.shared.violated(self.broken, seen);
+    }
 }
 
 impl Calls for Caller<'_> {
@@ -130,15 +149,31 @@ impl Calls for Caller<'_> {
         if permit.waited() {
             self.now = shared.clock.now();
         }
-        let at_work = &shared.at_work[self.task.index()];
-        at_work.begins(codel, shared.clock.real(self.now));
-        let returned = run.frame.call(codel, self.task.index());
+        shared.calls(codel, |rule, fact| self.violated(run, rule, fact));
+        let context = self.task.index();
+        let (at_work, since) = (&shared.at_work[context], shared.clock.real(self.now));
+        at_work.begins(codel, run.id, since);
+        let returned = run.frame.call(codel, context);
         at_work.ends();
         drop(permit);
         let end = shared.clock.now();
-        shared.called(codel, end.saturating_sub(self.now));
+        let ns = end.saturating_sub(self.now);
         self.now = end;
+        shared.called(codel, ns, (context, since), |rule, fact| self.violated(run, rule, fact));
         returned
+    }
+
+    fn begins(&mut self, run: &Run) {
+        self.shared.rules.begins(run.machine);
+    }
+
+    #[inline]
+    fn stepped(&mut self, run: &Run, from: StateIx, to: StateIx) {
+        let rules = &self.shared.rules;
+        if rules.looks_at_steps(run.machine) {
+            let owner = self.shared.plan.machines()[run.machine].owner;
+            rules.stepped(owner, (from, to), |rule, fact| self.violated(run, rule, fact));
+        }
     }
 
     fn goes_on(&mut self, codel: CodelIx) {

@@ -20,6 +20,7 @@ use serde_json::{Value, json};
 use tracing::Span;
 
 use super::activities::{Activity, ActivityLog};
+use super::guard::Guard;
 use super::input::{Asked, Completion, InputError};
 use super::spins::{Spin, Spins, times_of};
 use super::standing::Standing;
@@ -77,6 +78,7 @@ pub struct Hosted {
     plan: Arc<Plan>,
     pub(super) instance: Instance,
     watcher: Arc<BusWatcher>,
+    pub(super) guard: Arc<Guard>,
     spins: Mutex<Spins>,
     /// Its services as offered on middlewares.
     pub(super) served: Mutex<ServedOn>,
@@ -98,6 +100,8 @@ pub struct Starting {
     pub killed: Flag,
     /// Where its changes are reported.
     pub bus: Arc<Bus>,
+    /// What it is supervised by.
+    pub guard: Guard,
     /// The running recordings.
     pub recordings: Arc<Recordings>,
     /// How long the results of its activities are kept.
@@ -113,7 +117,8 @@ impl Hosted {
     ) -> Result<Self, StartError> {
         let Starting { name, request, library, plan, ties, killed, .. } = starting;
         let serves_at_once = matches!(options.clock, Clock::Virtual(_));
-        let watcher = Arc::new(BusWatcher::new(&starting.bus, &name, &plan));
+        let guard = Arc::new(starting.guard);
+        let watcher = Arc::new(BusWatcher::new(&starting.bus, &name, &plan, &guard));
         options.watcher = Some(Arc::clone(&watcher) as Arc<dyn Watcher>);
         let instance = Instance::start(Arc::clone(&plan), body, options)?;
         Ok(Self {
@@ -130,6 +135,7 @@ impl Hosted {
             plan,
             instance,
             watcher,
+            guard,
             spins: Mutex::default(),
             served: Mutex::default(),
         })

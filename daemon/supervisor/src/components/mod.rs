@@ -3,6 +3,7 @@
 mod activities;
 mod ask;
 mod asked;
+mod guard;
 mod hosted;
 mod input;
 pub mod layout;
@@ -13,10 +14,12 @@ mod running;
 mod spins;
 mod standing;
 mod stop;
+mod supervised;
 mod unload;
 mod watch;
 
 pub use activities::Activity;
+pub use guard::Guard;
 pub use hosted::{Answer, Heard, Hosted, ServedOn, ServedServices, Starting};
 pub use input::{Asked, InputError, Rest};
 pub use remnants::Remnant;

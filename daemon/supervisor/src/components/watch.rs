@@ -7,6 +7,7 @@ use genom_description::model::{ServiceIx, StateIx};
 use genom_runtime::plan::Plan;
 use genom_runtime::{Change as Inner, Watcher};
 
+use super::guard::Guard;
 use crate::bus::{Bus, Change};
 
 /// Called with each state that an activity enters.
@@ -17,6 +18,8 @@ pub(crate) struct BusWatcher {
     bus: Arc<Bus>,
     component: String,
     plan: Arc<Plan>,
+    /// What is done when it breaks a rule.
+    guard: Arc<Guard>,
     /// What was reported about the running activities.
     known: Mutex<HashMap<u32, Known>>,
     /// Followers of activities, each with the state reported last.
@@ -38,11 +41,17 @@ struct Known {
 
 impl BusWatcher {
     /// A watcher for an instance of this plan.
-    pub(crate) fn new(bus: &Arc<Bus>, component: &str, plan: &Arc<Plan>) -> Self {
+    pub(crate) fn new(
+        bus: &Arc<Bus>,
+        component: &str,
+        plan: &Arc<Plan>,
+        guard: &Arc<Guard>,
+    ) -> Self {
         Self {
             bus: Arc::clone(bus),
             component: component.to_owned(),
             plan: Arc::clone(plan),
+            guard: Arc::clone(guard),
             known: Mutex::default(),
             followers: Mutex::default(),
         }
@@ -118,6 +127,7 @@ impl Watcher for BusWatcher {
                 let task = self.plan.component().tasks[*task].name.clone();
                 Change::Overrun { component, task, ticks: *ticks }
             }
+            Inner::Violated(violation) => return self.guard.violated(violation),
             Inner::Failed { task, exception } => {
                 let task = &self.plan.component().tasks[*task].name;
                 let why = format!("the permanent activity of task {task} ended with {exception}");

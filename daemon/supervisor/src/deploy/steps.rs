@@ -236,6 +236,8 @@ fn adapt(
         Some("another quality of service of ports")
     } else if hosted.request.on_failure != request.on_failure {
         Some("other things to do when it fails")
+    } else if hosted.request.supervision != request.supervision {
+        Some("other rules of supervision")
     } else {
         None
     };

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::locate::LocateError;
+use super::supervision::NoSuchRule;
 use crate::connections::BindError;
 use crate::known::ReadError;
 use genom_configuration::NoPeriod;
@@ -59,6 +60,9 @@ pub enum LoadError {
     /// The quality of service of a port is not valid.
     #[error("{name}/{port}: {why}")]
     Qos { name: String, port: String, why: String },
+    /// A rule of its supervision does not fit it.
+    #[error("{name}: supervision: {source}")]
+    Supervision { name: String, source: NoSuchRule },
     /// A start codel failed (genom3.md 7.2).
     #[error("{name} does not start: {why}")]
     Start { name: String, why: String },
@@ -72,6 +76,7 @@ impl LoadError {
             LoadError::NoSuch { what, typed, .. } => vec![format!("{what}s"), typed.clone()],
             LoadError::Qos { port, .. } => ["qos", "ports", port].map(str::to_owned).to_vec(),
             LoadError::Backend(_) => vec!["backend".to_owned()],
+            LoadError::Supervision { .. } => vec!["supervision".to_owned()],
             LoadError::Override { .. } => vec!["tasks".to_owned()],
             LoadError::Name(_) | LoadError::Taken(_) => vec!["name".to_owned()],
             LoadError::Stopping | LoadError::Bind { .. } | LoadError::Start { .. } => Vec::new(),

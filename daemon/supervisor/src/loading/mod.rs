@@ -7,6 +7,7 @@ pub(crate) mod locate;
 mod reactions;
 mod standard;
 mod start;
+mod supervision;
 mod undefined;
 
 use std::sync::Arc;
@@ -26,6 +27,7 @@ use crate::supervisor::Supervisor;
 pub use built::text as date_in_utc;
 pub use error::LoadError;
 pub use reactions::{IdleReaction, check_reactions};
+pub use supervision::NoSuchRule;
 
 impl Supervisor {
     /// Loads a component, starts it and sets its attributes. Blocks for file access and start
@@ -196,6 +198,8 @@ fn check_names(request: &LoadRequest, model: &Model, instance: &str) -> Result<(
     for task in request.tasks.keys() {
         check("task", task, model.tasks.iter().map(|task| task.name.as_str()).collect())?;
     }
+    supervision::rules(request, model)
+        .map_err(|source| LoadError::Supervision { name: instance.to_owned(), source })?;
     for attribute in request.attributes.keys() {
         let attributes = model.services.iter().filter(|one| one.kind == ServiceKind::Attribute);
         check("attribute", attribute, attributes.map(|one| one.name.as_str()).collect())?;

@@ -1,11 +1,13 @@
-//! Checks what is to be done when components fail (`on_failure`) against the components that a
-//! deployment loads, before any of them runs: nobody finds out at the moment of a failure.
+//! Checks what is to be done when components fail (`on_failure`) or break a rule, and these rules
+//! (`supervision`), against the components that a deployment loads, before any of them runs: nobody
+//! finds out at the moment of a failure.
 
-use genom_configuration::{Act, Deed, Deployment, LoadRequest, Reaction, Spot};
+use genom_configuration::{Act, Deed, Deployment, LoadRequest, Reaction, Spot, SupervisionEntry};
 use genom_description::model::{Component as Model, ServiceKind};
 use genom_nearest::suggest;
 
 use super::locate::locate;
+use super::supervision::{NoSuchRule, rules};
 use crate::known::Reading;
 use crate::settings::Settings;
 
@@ -28,6 +30,9 @@ pub enum IdleReaction {
          or none"
     )]
     SameCell { reaction: String, component: String, cell: String },
+    /// A rule does not fit its component.
+    #[error(transparent)]
+    Rule(#[from] NoSuchRule),
 }
 
 /// Checks all reactions of a deployment. `runs` knows components that run and that the deployment
@@ -42,18 +47,36 @@ pub fn check_reactions(
 ) -> Result<(), (Spot, Box<IdleReaction>)> {
     for request in &wanted.component {
         for reaction in &request.on_failure {
-            check(settings, wanted, request, reaction, &runs)
+            check(settings, wanted, reaction, request.cell.as_deref(), &runs)
                 .map_err(|why| (Spot::component(request).key(["on_failure"]), Box::new(why)))?;
+        }
+        let place = || Spot::component(request).key(["supervision"]);
+        for reaction in request.supervision.iter().flat_map(SupervisionEntry::others) {
+            check(settings, wanted, reaction, None, &runs)
+                .map_err(|why| (place(), Box::new(why)))?;
+        }
+        if !request.supervision.is_empty() {
+            check_rules(settings, request)
+                .map_err(|why| (place(), Box::new(IdleReaction::Rule(why))))?;
         }
     }
     Ok(())
 }
 
+/// Whether the rules of a component fit it.
+fn check_rules(settings: &Settings, request: &LoadRequest) -> Result<(), NoSuchRule> {
+    // What cannot be read is refused with its reason when it is loaded.
+    let Ok(located) = locate(request, &settings.path) else { return Ok(()) };
+    let Ok(reading) = Reading::new(&located.description, &settings.include) else { return Ok(()) };
+    rules(request, reading.model()).map(drop)
+}
+
+/// With `cell`, the reaction cannot be done in this one: it has ended.
 fn check(
     settings: &Settings,
     wanted: &Deployment,
-    failing: &LoadRequest,
     reaction: &Reaction,
+    cell: Option<&str>,
     runs: impl Fn(&str) -> bool,
 ) -> Result<(), IdleReaction> {
     // The form of one that was read is right.
@@ -68,8 +91,8 @@ fn check(
         let (reaction, typed) = (reaction.to_string(), deed.component);
         return Err(IdleReaction::NoComponent { reaction, typed, help });
     };
-    if let (Some(cell), true) = (&target.cell, target.cell == failing.cell) {
-        let (reaction, component, cell) = (reaction.to_string(), deed.component, cell.clone());
+    if let Some(cell) = cell.filter(|_| target.cell.as_deref() == cell) {
+        let (reaction, component, cell) = (reaction.to_string(), deed.component, cell.to_owned());
         return Err(IdleReaction::SameCell { reaction, component, cell });
     }
     // What cannot be read is refused with its reason when it is loaded.

@@ -12,7 +12,8 @@ use genom_runtime::plan::Plan;
 use super::built;
 use super::error::LoadError;
 use super::standard::StandardServices;
-use crate::components::{Hosted, Starting};
+use super::supervision;
+use crate::components::{Guard, Hosted, Starting};
 use crate::flag::Flag;
 use crate::supervisor::Supervisor;
 use crate::ties::{Bindings, Ties};
@@ -49,6 +50,10 @@ pub(super) fn start(
         let refused = |source| LoadError::Override { name: name.clone(), source };
         options.tasks.insert(task.clone(), terms::task_options(entry).map_err(refused)?);
     }
+    options.rules = supervision::rules(request, plan.component())
+        .map_err(|source| LoadError::Supervision { name: name.clone(), source })?;
+    let (bus, reactions) = (&supervisor.bus, &supervisor.reactions);
+    let guard = Guard::new(&name, bus, reactions, &request.supervision);
     let starting = Starting {
         name: name.clone(),
         request: request.clone(),
@@ -56,7 +61,8 @@ pub(super) fn start(
         plan,
         ties,
         killed,
-        bus: Arc::clone(&supervisor.bus),
+        bus: Arc::clone(bus),
+        guard,
         recordings: Arc::clone(&supervisor.recordings),
         keep_results: supervisor.settings.keep_results,
     };

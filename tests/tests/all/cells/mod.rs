@@ -9,6 +9,7 @@ mod life;
 mod limits;
 mod refused;
 mod safe_state;
+mod supervised;
 
 use std::path::PathBuf;
 

@@ -115,7 +115,7 @@ const FLOORS: &[(&str, &str)] = &[
     ("ports", "dates gauge key tape fan feeds tap lib"),
     (
         "supervisor",
-        "outcome flag known limits settings waiting bus spans recording ties components connections \
+        "outcome flag known limits settings waiting bus reactor spans recording ties components connections \
          vigil supervisor loading deploy lib",
     ),
     (
@@ -125,9 +125,8 @@ const FLOORS: &[(&str, &str)] = &[
     ),
     (
         "cells",
-        "end policy place journal client crashes follow remains process setup cell asking cells react merge \
-         record wire \
-         own lib",
+        "end policy place journal client crashes follow remains process setup cell asking cells own react \
+         merge record wire lib",
     ),
     (
         "genomd",

@@ -1,0 +1,48 @@
+//! What is to be done of other components when one in a cell breaks a rule of its supervision.
+
+use std::time::Instant;
+
+use genom_configuration::{Deployment, LoadRequest, Reaction, SupervisionEntry};
+use genom_protocol::routes;
+use serde_json::Value;
+
+use super::Cell;
+use crate::journal;
+use crate::setup::{Cause, Failure, Told};
+
+impl Cell {
+    /// Has done what the broken rule asks for, but for what concerns components in this cell: it
+    /// does that itself.
+    pub(super) async fn supervised(&self, change: &Value) {
+        let seen = Instant::now();
+        let (Some(component), Some(index)) =
+            (change["component"].as_str(), change["index"].as_u64())
+        else {
+            return;
+        };
+        let index = usize::try_from(index).unwrap_or(usize::MAX);
+        let written = journal::read(&self.place.journal()).unwrap_or_default();
+        let rule = match rule_of(&written, component, index) {
+            Some(rule) => Some(rule),
+            // Loaded just now, and not written down yet.
+            None => match self.client.ask(&routes::dump()).await {
+                Ok(dumped) => rule_of(&dumped.deployment.runs, component, index),
+                Err(_) => None,
+            },
+        };
+        let Some(rule) = rule else { return };
+        let elsewhere =
+            |reaction: &&Reaction| reaction.deed().is_ok_and(|deed| !self.holds(&deed.component));
+        let reactions: Vec<Reaction> = rule.others().filter(elsewhere).cloned().collect();
+        if !reactions.is_empty() {
+            let component = component.to_owned();
+            let failure = Failure { component, reactions, seen, cause: Cause::BrokenRule };
+            self.setup.tell(Told::Failed(failure));
+        }
+    }
+}
+
+fn rule_of(held: &Deployment, component: &str, index: usize) -> Option<SupervisionEntry> {
+    let of = |one: &&LoadRequest| one.instance() == component;
+    held.component.iter().find(of)?.supervision.get(index).cloned()
+}

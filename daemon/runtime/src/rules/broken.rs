@@ -1,0 +1,111 @@
+//! What broke a rule: in numbers only for the thread that saw it, which must not allocate, and as a
+//! sentence for people.
+
+use genom_description::model::{CodelIx, Component, ServiceIx, StateIx, TaskIx};
+
+use super::Violation;
+use crate::plan::owner_name;
+
+/// A rule was broken.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seen {
+    /// Index of the rule.
+    pub(crate) rule: usize,
+    /// The activity that did it; 0 if none did.
+    pub(crate) activity: u32,
+    /// By the clock of the instance.
+    pub(crate) date: u64,
+    pub(crate) fact: Fact,
+}
+
+/// What happened.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Fact {
+    /// A call took so long.
+    Took { codel: CodelIx, ns: u64 },
+    /// A call has not returned; the thread that is in it, 0 if unknown.
+    Lasts { codel: CodelIx, ns: u64, thread: u32 },
+    /// An activity takes so long.
+    Activity { service: ServiceIx, ns: u64 },
+    /// A task missed ticks.
+    Missed { task: TaskIx, ticks: u64 },
+    /// A codel was called too early.
+    Early { codel: CodelIx, first: CodelIx },
+    /// A codel was called while an activity of this service ran.
+    During { codel: CodelIx, service: ServiceIx },
+    /// A codel yielded this.
+    Step { from: StateIx, to: StateIx },
+}
+
+impl Seen {
+    /// The same in words.
+    pub(crate) fn violation(self, model: &Component, count: u64) -> Violation {
+        let thread = match self.fact {
+            Fact::Lasts { thread, .. } => Some(thread).filter(|thread| *thread > 0),
+            _ => None,
+        };
+        Violation {
+            rule: self.rule,
+            what: self.fact.tell(model),
+            activity: Some(self.activity).filter(|activity| *activity > 0),
+            count,
+            date: self.date,
+            thread,
+        }
+    }
+}
+
+impl Fact {
+    fn tell(self, model: &Component) -> String {
+        let codel = |ix: CodelIx| {
+            let codel = &model.codels[ix];
+            format!("codel {} of {}", codel.name, owner_name(model, codel.owner))
+        };
+        let state = |ix: StateIx| model.states.get(ix).map_or("ether", String::as_str);
+        match self {
+            Self::Took { codel: ix, ns } => format!("{} took {}", codel(ix), time(ns)),
+            Self::Lasts { codel: ix, ns, .. } => {
+                format!("{} has not returned for {}", codel(ix), time(ns))
+            }
+            Self::Activity { service, ns } => {
+                format!("activity {} has taken {}", model.services[service].name, time(ns))
+            }
+            Self::Missed { task, ticks } => {
+                let ticks = if ticks == 1 { "a tick".to_owned() } else { format!("{ticks} ticks") };
+                format!("task {} missed {ticks}", model.tasks[task].name)
+            }
+            Self::Early { codel: ix, first } => {
+                format!("{} was called before codel {}", codel(ix), model.codels[first].name)
+            }
+            Self::During { codel: ix, service } => {
+                let service = &model.services[service].name;
+                format!("{} was called while activity {service} ran", codel(ix))
+            }
+            Self::Step { from, to } => format!("it went from {} to {}", state(from), state(to)),
+        }
+    }
+}
+
+/// With three digits: `7.25 ms`, `12.0 s`.
+#[allow(clippy::cast_precision_loss, reason = "three digits are shown")]
+fn time(ns: u64) -> String {
+    let (value, unit) = match ns {
+        0..1_000_000 => (ns as f64 / 1e3, "us"),
+        1_000_000..1_000_000_000 => (ns as f64 / 1e6, "ms"),
+        _ => (ns as f64 / 1e9, "s"),
+    };
+    let digits = if value < 10.0 { 2 } else { usize::from(value < 100.0) };
+    format!("{value:.digits$} {unit}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_is_told_with_three_digits() {
+        assert_eq!([7_250_000, 12_000_000_000, 999, 431_200].map(time).join(", "), {
+            "7.25 ms, 12.0 s, 1.00 us, 431 us"
+        });
+    }
+}

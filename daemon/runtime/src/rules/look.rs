@@ -1,0 +1,202 @@
+//! What others see of an instance without the help of its tasks: activities over their time, missed
+//! ticks, and codels that have not returned.
+
+use std::time::Duration;
+
+use genom_description::model::{CodelIx, Ix as _, TaskIx};
+
+use super::broken::{Fact, Seen};
+use super::{Rule, Supervised};
+use crate::clock::{Clock, monotonic, nanos};
+use crate::control::{Afterwards, Control, Entry, Stage};
+use crate::engine::Engine;
+use crate::watcher::Change;
+
+/// Name by which activities are asked to stop.
+const BY: &str = "supervision";
+/// Interval between looks, however short the limits: a codel that returned is seen by its own
+/// thread, at once.
+const OFTEN: u64 = 5_000_000;
+const SELDOM: u64 = 250_000_000;
+
+impl Engine {
+    /// Tells a violation, and asks the activities to stop that the rule interrupts.
+    pub(crate) fn violated(&self, control: &mut Control, seen: Seen, after: &mut Afterwards) {
+        let rules = &self.shared.rules;
+        let interrupts = rules.all.get(seen.rule).is_some_and(|one| one.interrupts);
+        if interrupts {
+            let concerned = |entry: &Entry| match seen.fact {
+                Fact::Missed { task, .. } => entry.task == task,
+                _ => entry.id == seen.activity,
+            };
+            for at in 0..control.entries.len() {
+                let entry = &control.entries[at];
+                if entry.service.is_some() && concerned(entry) {
+                    self.stop(control, at, BY, after);
+                }
+            }
+            // genom3.md 7.5: a paused activity wakes up, as after `abort_activity`.
+            self.shared.wake_tasks();
+        }
+        let count = rules.count(seen.rule);
+        let told = seen.violation(self.shared.plan.component(), count);
+        after.changes.push(Change::Violated(told));
+    }
+
+    /// Keeps what a codel of a request broke until control tells it.
+    pub(crate) fn violated_aside(&self, rule: usize, fact: Fact) {
+        let rules = &self.shared.rules;
+        let seen = Seen { rule, activity: 0, date: self.shared.clock.now(), fact };
+        rules.set_aside(rules.counted(seen));
+        self.shared.wake_control();
+    }
+
+    /// Activities over their time, and ticks missed, at this date.
+    pub(crate) fn look_at_rules(&self, control: &mut Control, now: u64, after: &mut Afterwards) {
+        let rules = &self.shared.rules;
+        if rules.is_empty() {
+            return;
+        }
+        for at in 0..control.entries.len() {
+            self.look_at_activity(control, at, now, after);
+        }
+        self.look_at_ticks(control, now, after);
+    }
+
+    /// Tells the rules that an activity breaks by not having ended at this date.
+    pub(crate) fn look_at_activity(
+        &self,
+        control: &mut Control,
+        at: usize,
+        now: u64,
+        after: &mut Afterwards,
+    ) {
+        let rules = &self.shared.rules;
+        let entry = &mut control.entries[at];
+        let answered = matches!(entry.stage, Stage::Cancelled | Stage::Gone);
+        let Some(service) = entry.service.filter(|_| !answered) else { return };
+        let (activity, ns) = (entry.id, now.saturating_sub(entry.accepted));
+        let mut late = entry.late;
+        for (rank, limit) in rules.of_activity(service) {
+            if ns >= limit && late & 1 << rank == 0 {
+                late |= 1 << rank;
+                let fact = Fact::Activity { service, ns };
+                let seen = rules.counted(Seen { rule: rank, activity, date: now, fact });
+                self.violated(control, seen, after);
+            }
+        }
+        control.entries[at].late = late;
+    }
+
+    /// When the next activity will be over its time.
+    pub(crate) fn next_late(&self, control: &Control) -> Option<u64> {
+        let rules = &self.shared.rules;
+        if rules.is_empty() {
+            return None;
+        }
+        let of = |entry: &Entry| {
+            let answered = matches!(entry.stage, Stage::Cancelled | Stage::Gone);
+            let limits = rules.of_activity(entry.service.filter(|_| !answered)?);
+            let left = limits.filter(|(rank, _)| entry.late & 1 << rank == 0);
+            left.map(|(_, limit)| entry.accepted.saturating_add(limit)).min()
+        };
+        control.entries.iter().filter_map(of).min()
+    }
+
+    fn look_at_ticks(&self, control: &mut Control, now: u64, after: &mut Afterwards) {
+        let rules = &self.shared.rules;
+        let mut broken = Vec::new();
+        for window in rules.windows().iter_mut() {
+            let task = &self.shared.tasks[window.task];
+            if let Some(ticks) = window.look(task.figures.overruns.read(task.timing, now), now) {
+                broken.push((window.rule, Fact::Missed { task: window.task, ticks }));
+            }
+        }
+        for (rule, fact) in broken {
+            let seen = rules.counted(Seen { rule, activity: 0, date: now, fact });
+            self.violated(control, seen, after);
+        }
+    }
+
+    /// Looks for codels that have not returned in time, and for ticks that their tasks miss.
+    /// Returns when to look again; `None` if no rule needs that.
+    pub(crate) fn supervise(&self) -> Option<Duration> {
+        let rules = &self.shared.rules;
+        if rules.is_empty() {
+            return None;
+        }
+        let stepped = matches!(self.shared.clock, Clock::Virtual(_));
+        let (mut seen, mut next) = (Vec::new(), None);
+        for (rank, Supervised { rule, .. }) in rules.all.iter().enumerate() {
+            let due = match rule {
+                Rule::Longest { codels } => {
+                    let limits = codels.iter().map(|(codel, limit)| (*codel, nanos(*limit)));
+                    self.look_at_calls(rank, &limits.collect::<Vec<_>>(), stepped, &mut seen)
+                }
+                Rule::Stuck { codels } => {
+                    let limits: Vec<_> = codels.iter().map(|codel| (*codel, 0)).collect();
+                    self.look_at_calls(rank, &limits, true, &mut seen)
+                }
+                Rule::Missed { task, .. } if !stepped => self.next_missed(rank, *task),
+                _ => continue,
+            };
+            next = Some(next.map_or(due, |next: u64| next.min(due)));
+        }
+        let mut after = Afterwards::default();
+        {
+            let mut control = self.lock();
+            for seen in seen {
+                self.violated(&mut control, rules.counted(seen), &mut after);
+            }
+            if !stepped {
+                self.look_at_ticks(&mut control, self.shared.clock.now(), &mut after);
+            }
+        }
+        self.finish_off(after);
+        next.map(|next| Duration::from_nanos(next.clamp(OFTEN, SELDOM)))
+    }
+
+    /// Calls of codels that have lasted longer than their limits, or with `stuck`, than that and
+    /// what counts as stuck. Returns the time until one can be too long, in nanoseconds.
+    fn look_at_calls(
+        &self,
+        rule: usize,
+        limits: &[(CodelIx, u64)],
+        stuck: bool,
+        seen: &mut Vec<Seen>,
+    ) -> u64 {
+        let (rules, now) = (&self.shared.rules, monotonic());
+        let mut next = if stuck {
+            SELDOM
+        } else {
+            limits.iter().map(|(_, limit)| *limit).min().unwrap_or(SELDOM)
+        };
+        for context in 0..self.shared.outside_context() {
+            let Some((codel, activity, since)) = self.shared.at_work[context].look() else {
+                continue;
+            };
+            let Some((_, limit)) = limits.iter().find(|(own, _)| *own == codel) else { continue };
+            let least = if stuck { self.stuck_limit(codel, context) } else { 0 };
+            let (limit, ns) = ((*limit).max(least), now.saturating_sub(since));
+            if ns <= limit {
+                next = next.min(limit - ns + 1);
+            } else if rules.claim(context, rule, since) {
+                let task = self.shared.tasks.get(TaskIx::new(context));
+                let thread = task.and_then(|task| task.thread_number()).unwrap_or_default();
+                let (date, fact) = (self.shared.clock.now(), Fact::Lasts { codel, ns, thread });
+                seen.push(Seen { rule, activity, date, fact });
+            }
+        }
+        next
+    }
+
+    /// Time until so many ticks can have been missed as the rule allows, in nanoseconds.
+    fn next_missed(&self, rule: usize, task: TaskIx) -> u64 {
+        let left = {
+            let windows = self.shared.rules.windows();
+            windows.iter().find(|window| window.rule == rule).map_or(1, |window| window.left())
+        };
+        let period = self.shared.tasks[task].timing.map_or(SELDOM, |timing| timing.period);
+        period.saturating_mul(left)
+    }
+}

@@ -1,0 +1,254 @@
+//! Rules as tables by index, so that the thread that runs codels looks nothing up.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+
+use genom_description::model::{CodelIx, Indexed, Owner, ServiceIx, StateIx, TaskIx};
+
+use super::alive::Window;
+use super::broken::{Fact, Seen};
+use super::{Rule, Supervised};
+use crate::clock::nanos;
+use crate::lock::{Guard, lock};
+use crate::plan::Plan;
+
+/// Most violations by requests that wait for control.
+const MOST_ASIDE: usize = 64;
+
+/// What a call of one codel is compared with.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bound {
+    /// A call that takes longer, in nanoseconds, breaks a rule or its `wcet`.
+    pub(crate) longest: u64,
+    /// Its `wcet` in nanoseconds; `u64::MAX` without one.
+    pub(crate) wcet: u64,
+    /// Whether it may be called is looked at before each call.
+    pub(crate) ordered: bool,
+}
+
+/// The rules of one instance.
+#[derive(Debug)]
+pub(crate) struct Rules {
+    pub(super) all: Vec<Supervised>,
+    /// How often each was broken.
+    counts: Box<[AtomicU64]>,
+    bounds: Indexed<CodelIx, Bound>,
+    /// For each state machine, whether steps of it are forbidden; empty if none is of any.
+    stepping: Box<[bool]>,
+    /// Activities that run, by state machine; empty if no rule asks.
+    running: Box<[AtomicU32]>,
+    /// Dates of the calls that were told, by context and rule: each call breaks a rule once.
+    claims: Box<[AtomicU64]>,
+    /// Windows of the rules about missed ticks.
+    windows: Mutex<Vec<Window>>,
+    /// Whether a task has one of these.
+    alive: Indexed<TaskIx, bool>,
+    /// Violations by requests, until control tells them.
+    aside: Mutex<Vec<Seen>>,
+}
+
+impl Rules {
+    pub(crate) fn new(plan: &Plan, all: Vec<Supervised>) -> Self {
+        let model = plan.component();
+        let longest = |codel: CodelIx, wcet: u64| {
+            let limits = all.iter().flat_map(|one| match &one.rule {
+                Rule::Longest { codels } => codels.as_slice(),
+                _ => &[],
+            });
+            let own = limits.filter(|(other, _)| *other == codel);
+            own.map(|(_, limit)| nanos(*limit)).chain([wcet]).min().unwrap_or(wcet)
+        };
+        let ordered = |codel: CodelIx| {
+            all.iter().any(|one| match &one.rule {
+                Rule::After { codels, .. } | Rule::During { codels, .. } => codels.contains(&codel),
+                _ => false,
+            })
+        };
+        let bound = |(ix, codel): (CodelIx, &genom_description::model::Codel)| {
+            let wcet = codel.wcet.map_or(u64::MAX, nanos);
+            Bound { longest: longest(ix, wcet), wcet, ordered: ordered(ix) }
+        };
+        let bounds = model.codels.pairs().map(bound).collect();
+        let machines = plan.machines();
+        let steps = |owner: Owner| {
+            let is = |one: &Supervised| matches!(&one.rule, Rule::Step { owner: own, .. } if *own == owner);
+            all.iter().any(is)
+        };
+        let stepping: Box<[bool]> = machines.iter().map(|one| steps(one.owner)).collect();
+        let stepping = if stepping.contains(&true) { stepping } else { Box::default() };
+        let during = all.iter().any(|one| matches!(one.rule, Rule::During { .. }));
+        let running = machines.iter().filter(|_| during).map(|_| AtomicU32::new(0)).collect();
+        let windows = all.iter().enumerate().filter_map(|(rank, one)| match one.rule {
+            Rule::Missed { task, ticks, within } => {
+                Some(Window::new(rank, task, ticks, nanos(within)))
+            }
+            _ => None,
+        });
+        let windows: Vec<Window> = windows.collect();
+        let alive = model.tasks.places().map(|task| windows.iter().any(|one| one.task == task));
+        let claims = (0..plan.contexts() * all.len()).map(|_| AtomicU64::new(u64::MAX)).collect();
+        Self {
+            counts: all.iter().map(|_| AtomicU64::new(0)).collect(),
+            bounds,
+            stepping,
+            running,
+            claims,
+            alive: alive.collect(),
+            windows: Mutex::new(windows),
+            aside: Mutex::default(),
+            all,
+        }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.all.is_empty()
+    }
+
+    /// What a call of this codel is compared with.
+    #[inline]
+    pub(crate) fn bound(&self, codel: CodelIx) -> Bound {
+        self.bounds[codel]
+    }
+
+    /// Whether control has to know when the task misses a tick.
+    pub(crate) fn watches_ticks(&self, task: TaskIx) -> bool {
+        self.alive[task]
+    }
+
+    pub(super) fn windows(&self) -> Guard<'_, Vec<Window>> {
+        lock(&self.windows)
+    }
+
+    /// How often a rule was broken.
+    pub(crate) fn count(&self, rule: usize) -> u64 {
+        self.counts.get(rule).map_or(0, |count| count.load(Ordering::Relaxed))
+    }
+
+    /// How often each rule was broken.
+    pub(crate) fn counts(&self) -> Vec<u64> {
+        (0..self.all.len()).map(|rule| self.count(rule)).collect()
+    }
+
+    /// Counts a violation.
+    pub(crate) fn counted(&self, seen: Seen) -> Seen {
+        self.counts[seen.rule].fetch_add(1, Ordering::Relaxed);
+        seen
+    }
+
+    /// Whether this call, identified by its date, has not been told for this rule yet.
+    pub(super) fn claim(&self, context: usize, rule: usize, since: u64) -> bool {
+        let place = context * self.all.len() + rule;
+        self.claims.get(place).is_some_and(|last| last.swap(since, Ordering::AcqRel) != since)
+    }
+
+    /// Keeps a violation of a request for control.
+    pub(crate) fn set_aside(&self, seen: Seen) {
+        let mut aside = lock(&self.aside);
+        if aside.len() < MOST_ASIDE {
+            aside.push(seen);
+        }
+    }
+
+    pub(crate) fn take_aside(&self) -> Vec<Seen> {
+        std::mem::take(&mut *lock(&self.aside))
+    }
+
+    /// An activity begins to run.
+    pub(crate) fn begins(&self, machine: usize) {
+        if let Some(running) = self.running.get(machine) {
+            running.fetch_add(1, Ordering::AcqRel);
+        }
+    }
+
+    /// An activity that ran has ended.
+    pub(crate) fn ends(&self, machine: usize) {
+        if let Some(running) = self.running.get(machine) {
+            running.fetch_sub(1, Ordering::AcqRel);
+        }
+    }
+
+    /// Whether steps of a state machine are looked at.
+    #[inline]
+    pub(crate) fn looks_at_steps(&self, machine: usize) -> bool {
+        self.stepping.get(machine).copied().unwrap_or(false)
+    }
+
+    /// Tells the rules that a step breaks.
+    #[cold]
+    pub(crate) fn stepped(
+        &self,
+        machine_owner: Owner,
+        (from, to): (StateIx, StateIx),
+        mut tell: impl FnMut(usize, Fact),
+    ) {
+        for (rank, one) in self.all.iter().enumerate() {
+            if one.rule == (Rule::Step { owner: machine_owner, from, to }) {
+                tell(rank, Fact::Step { from, to });
+            }
+        }
+    }
+
+    /// Tells the rules that a call of this codel breaks by its order. `has_run`: whether a codel has
+    /// returned since the start.
+    #[cold]
+    pub(crate) fn called(
+        &self,
+        plan: &Plan,
+        codel: CodelIx,
+        has_run: impl Fn(CodelIx) -> bool,
+        mut tell: impl FnMut(usize, Fact),
+    ) {
+        for (rank, one) in self.all.iter().enumerate() {
+            match &one.rule {
+                Rule::After { codels, first }
+                    if codels.contains(&codel) && !first.iter().any(|&first| has_run(first)) =>
+                {
+                    if let Some(&first) = first.first() {
+                        tell(rank, Fact::Early { codel, first });
+                    }
+                }
+                Rule::During { codels, service }
+                    if codels.contains(&codel) && self.runs(plan, *service) =>
+                {
+                    tell(rank, Fact::During { codel, service: *service });
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn runs(&self, plan: &Plan, service: ServiceIx) -> bool {
+        let machine = plan.services().get(service).and_then(|service| service.machine);
+        let running = machine.and_then(|machine| self.running.get(machine));
+        running.is_some_and(|running| running.load(Ordering::Acquire) > 0)
+    }
+
+    /// Tells the rules that a call which returned breaks by its duration. It began at `since` in
+    /// this context.
+    #[cold]
+    pub(crate) fn returned(
+        &self,
+        codel: CodelIx,
+        ns: u64,
+        (context, since): (usize, u64),
+        mut tell: impl FnMut(usize, Fact),
+    ) {
+        for (rank, one) in self.all.iter().enumerate() {
+            let Rule::Longest { codels } = &one.rule else { continue };
+            let late = |(own, limit): &(CodelIx, _)| *own == codel && ns > nanos(*limit);
+            if codels.iter().any(late) && self.claim(context, rank, since) {
+                tell(rank, Fact::Took { codel, ns });
+            }
+        }
+    }
+
+    /// For each rule about activities of this service: its index and limit in nanoseconds.
+    pub(super) fn of_activity(&self, service: ServiceIx) -> impl Iterator<Item = (usize, u64)> {
+        self.all.iter().enumerate().filter_map(move |(rank, one)| match one.rule {
+            Rule::Activity { service: own, longest } if own == service => {
+                Some((rank, nanos(longest)))
+            }
+            _ => None,
+        })
+    }
+}

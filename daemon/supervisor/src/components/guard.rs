@@ -1,0 +1,131 @@
+//! What is done when a component breaks a rule of its supervision.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+use genom_configuration::{OwnResponse, Reaction, SupervisionEntry};
+use genom_protocol::{Kind, Rule};
+use genom_runtime::Violation;
+
+use crate::bus::{Bus, Change};
+use crate::reactor::{Asked, Reactions};
+
+/// Time between two violations of a rule that are told and acted upon, in nanoseconds of the
+/// component's clock. Those between are counted, and interrupt activities.
+const AGAIN: u64 = 1_000_000_000;
+
+/// The rules of one component.
+pub struct Guard {
+    component: String,
+    bus: Arc<Bus>,
+    reactions: Arc<Reactions>,
+    rules: Vec<Ruled>,
+}
+
+/// A rule.
+struct Ruled {
+    entry: SupervisionEntry,
+    /// In words.
+    text: String,
+    kind: Kind,
+    responses: Vec<String>,
+    /// When a violation was told last.
+    told: Mutex<Option<u64>>,
+}
+
+impl Guard {
+    /// The rules of a request, which are valid.
+    pub(crate) fn new(
+        component: &str,
+        bus: &Arc<Bus>,
+        reactions: &Arc<Reactions>,
+        rules: &[SupervisionEntry],
+    ) -> Self {
+        let ruled = |entry: &SupervisionEntry| {
+            let condition = entry.condition().ok()?;
+            Some(Ruled {
+                text: condition.to_string(),
+                kind: condition.kind(),
+                responses: entry.responses().iter().map(ToString::to_string).collect(),
+                entry: entry.clone(),
+                told: Mutex::default(),
+            })
+        };
+        Self {
+            component: component.to_owned(),
+            bus: Arc::clone(bus),
+            reactions: Arc::clone(reactions),
+            rules: rules.iter().filter_map(ruled).collect(),
+        }
+    }
+
+    /// Whether there are none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.rules.is_empty()
+    }
+
+    /// The rules, with how often each was broken.
+    pub(super) fn told(&self, counts: Vec<u64>) -> Vec<Rule> {
+        let rules = self.rules.iter().zip(counts).map(|(ruled, violations)| Rule {
+            rule: ruled.text.clone(),
+            kind: ruled.kind,
+            reactions: ruled.responses.clone(),
+            violations,
+        });
+        rules.collect()
+    }
+
+    /// A rule was broken: tells it, and does what is to be done; the instance has interrupted
+    /// activities itself.
+    pub(crate) fn violated(&self, violation: &Violation) {
+        let seen = Instant::now();
+        let Some(rule) = self.rules.get(violation.rule) else { return };
+        if !rule.is_due(violation.date) {
+            return;
+        }
+        let Violation { what, count, .. } = violation;
+        let (kind, text, responses) = (rule.kind, &rule.text, rule.responses.join(", "));
+        let again = if *count > 1 { format!(" ({count} times so far)") } else { String::new() };
+        tracing::warn!(
+            instance = self.component,
+            "{what}: {} supervision, {text}{again}; {responses}",
+            kind.name()
+        );
+        if rule.entry.responses().iter().any(|one| !one.is(OwnResponse::Log)) {
+            self.bus.tell(&Change::SupervisionViolated {
+                component: self.component.clone(),
+                index: violation.rule,
+                rule: text.clone(),
+                kind,
+                what: what.clone(),
+                activity: violation.activity.map(u64::from),
+                violations: *count,
+                reactions: rule.responses.clone(),
+            });
+        }
+        let reactions: Vec<Reaction> = rule.entry.others().cloned().collect();
+        if !reactions.is_empty()
+            && let Some(reactor) = self.reactions.get()
+        {
+            reactor.react(Asked { component: self.component.clone(), reactions, seen });
+        }
+        if rule.entry.does(OwnResponse::Restart)
+            && let Some(reactor) = self.reactions.get()
+        {
+            let why = format!("{} of {}: {what}", rule.kind.name(), self.component);
+            reactor.restart(&why, violation.thread);
+        }
+    }
+}
+
+impl Ruled {
+    /// Whether a violation at this date is told.
+    fn is_due(&self, date: u64) -> bool {
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        let due = told.is_none_or(|told| date.saturating_sub(told) >= AGAIN);
+        if due {
+            *told = Some(date);
+        }
+        due
+    }
+}
