@@ -8,6 +8,7 @@ use std::time::Duration;
 use crate::api::Supervision;
 use crate::clock::Clock;
 use crate::executor::Executor;
+use crate::frozen::Resume;
 use crate::watcher::Watcher;
 
 /// Default limit on the activities of services that one task runs at the same time (genom3.md D).
@@ -59,6 +60,8 @@ pub struct Options {
     /// before one second (or this time, if shorter). Also the longest time for which control waits
     /// for codels.
     pub stuck_after: Duration,
+    /// Where another instance of the component was, to go on from there.
+    pub resume: Option<Resume>,
 }
 
 /// Default of [`Options::stuck_after`].
@@ -93,6 +96,7 @@ impl Options {
             start_timeout: None,
             give_up: None,
             stuck_after: STUCK_AFTER,
+            resume: None,
         }
     }
 }
