@@ -1,9 +1,9 @@
 //! Cost of many components: 1, 50 and 500 with five ports each, on local and shared memory.
 //! Measures the time until ready, stop, memory, file descriptors, processor time while nobody asks
-//! for anything, and the duration of `list` and `ports`; with a thread for each task, and with one
-//! for all (`execution`).
+//! for anything, and the duration of `list` and `ports`; with a thread for each task, with one for all
+//! (`execution`), and in ten cells. Figures of several processes are sums.
 //!
-//! `cargo bench -p genom-tests --bench many [-- BACKEND... EXECUTION... NUMBER...]`. The programs are built with
+//! `cargo bench -p genom-tests --bench many [-- BACKEND... WAY... NUMBER...]`. The programs are built with
 //! `--release`, as users build them.
 
 #![forbid(unsafe_code)]
@@ -19,8 +19,10 @@ use genom_tests::{Footprint, Home, Many, Running, processor_time, release, reque
 const REQUESTS: usize = 200;
 /// For how long the processor time is measured.
 const IDLE: Duration = Duration::from_secs(5);
-/// Ways to execute components.
-const EXECUTIONS: [&str; 2] = ["threads", "single"];
+/// Ways to execute components: in the process of the daemon, or in cells with a thread for each task.
+const WAYS: [&str; 3] = ["threads", "single", "cells"];
+/// Number of cells.
+const CELLS: usize = 10;
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
@@ -28,9 +30,8 @@ fn main() {
     let numbers = if numbers.is_empty() { vec![1, 50, 500] } else { numbers };
     let names =
         || words.iter().map(String::as_str).filter(|word: &&str| word.parse::<usize>().is_err());
-    let (ways, backends): (Vec<&str>, Vec<&str>) =
-        names().partition(|name| EXECUTIONS.contains(name));
-    let ways = if ways.is_empty() { EXECUTIONS.to_vec() } else { ways };
+    let (ways, backends): (Vec<&str>, Vec<&str>) = names().partition(|name| WAYS.contains(name));
+    let ways = if ways.is_empty() { WAYS.to_vec() } else { ways };
     let backends = if backends.is_empty() { vec!["local", "shm"] } else { backends };
     let genomd = release();
     println!(
@@ -57,26 +58,39 @@ fn main() {
 
 fn measure(genomd: &PathBuf, backend: &str, way: &str, components: usize) {
     let made = tempfile::tempdir().expect("a directory");
-    let text = Many { components, chained: false }.configuration(backend, made.path());
+    let cells = if way == "cells" { CELLS } else { 0 };
+    let text = Many { components, chained: false, cells }.configuration(backend, made.path());
     let home = Home::new().configured(&text);
     let mut command = Command::new(genomd);
     command.arg("--config").arg(home.path().join("genomd.toml"));
-    command.arg("--socket").arg(home.socket()).args(["--execution", way]);
+    command.arg("--socket").arg(home.socket());
+    if way != "cells" {
+        command.args(["--execution", way]);
+    }
     let begin = Instant::now();
     let daemon = Running::start(&mut command);
     let ready = daemon.error_line_where(|line| line.contains("ready on "));
-    let start = begin.elapsed();
     if ready.is_none() {
         let said = daemon.finish().err;
-        println!("{backend:8} {components:>6} refused: {}", said.lines().last().unwrap_or(""));
+        println!(
+            "{backend:8} {way:8} {components:>6} refused: {}",
+            said.lines().last().unwrap_or("")
+        );
         return;
     }
-    let held = Footprint::of(daemon.id());
-    let (at, before) = (Instant::now(), processor_time(daemon.id()));
+    if cells > 0 {
+        let ready = request(&home.socket(), "GET", "/ready?wait=60&deployed=true", "").body;
+        assert_eq!(ready["ready"], true, "all cells run");
+    }
+    let start = begin.elapsed();
+    let processes = processes(&home, daemon.id());
+    let time = || processes.iter().map(|&process| processor_time(process)).sum::<Duration>();
+    let held = Footprint::of_all(&processes);
+    let (at, before) = (Instant::now(), time());
     while at.elapsed() < IDLE {
         std::thread::park_timeout(IDLE.saturating_sub(at.elapsed()));
     }
-    let used = processor_time(daemon.id()).saturating_sub(before);
+    let used = time().saturating_sub(before);
     let used = used.as_secs_f64() / at.elapsed().as_secs_f64() * 100.0;
     let answered = |path: &str| {
         let mut all: Vec<Duration> = (0..REQUESTS)
@@ -106,4 +120,12 @@ fn measure(genomd: &PathBuf, backend: &str, way: &str, components: usize) {
         held.threads,
         if code == Some(0) { "" } else { "  (ended badly)" },
     );
+}
+
+/// The daemon and its cells.
+fn processes(home: &Home, daemon: u32) -> Vec<u32> {
+    let cells = request(&home.socket(), "GET", "/cells", "").body;
+    let cells = cells["cells"].as_array().into_iter().flatten();
+    let pids = cells.filter_map(|cell| u32::try_from(cell["pid"].as_u64()?).ok());
+    std::iter::once(daemon).chain(pids).collect()
 }

@@ -43,9 +43,15 @@ fn paths() -> &'static Paths {
     PATHS.get_or_init(|| Paths::of_workspace().unwrap_or_else(|error| panic!("{error}")))
 }
 
+/// `genomd` built with `--release`, once [`release`] was called.
+static RELEASE: OnceLock<PathBuf> = OnceLock::new();
+
 /// Path of `genomd` or `genomctl`, after building it.
 #[must_use]
 pub fn program(name: &str) -> PathBuf {
+    if let Some(genomd) = RELEASE.get() {
+        return genomd.with_file_name(name);
+    }
     static BUILT: OnceLock<[PathBuf; 2]> = OnceLock::new();
     let [genomd, genomctl] = BUILT.get_or_init(|| {
         build_programs(paths(), ["genomd", "genomctl"]).unwrap_or_else(|error| panic!("{error}"))
@@ -99,7 +105,8 @@ pub fn path(path: &Path) -> &str {
     path.to_str().expect("UTF-8")
 }
 
-/// Path of a release build of the daemon, as users build it, for benchmarks.
+/// Path of a release build of the daemon, as users build it, for benchmarks. From then on
+/// [`program`] gives programs of that build.
 ///
 /// # Panics
 /// It does not build.
@@ -118,5 +125,5 @@ pub fn release() -> PathBuf {
     assert!(command.status().expect("cargo runs").success(), "genomd does not build");
     let target =
         std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| "target".into(), PathBuf::from);
-    repository().join(target).join("release/genomd")
+    RELEASE.get_or_init(|| repository().join(target).join("release/genomd")).clone()
 }

@@ -4,7 +4,7 @@
 //! all its out ports. One library is loaded under the names `m0`, `m1`, ...:
 //! ```text
 //! let made = tempfile::tempdir().unwrap();
-//! let text = Many { components: 60, chained: true }.configuration("shm", made.path());
+//! let text = Many { components: 60, chained: true, cells: 0 }.configuration("shm", made.path());
 //! let daemon = Home::new().configured(&text).start(&[]);
 //! let held = Footprint::of(daemon.process().id());
 //! assert!(held.descriptors < 60 * 6);
@@ -27,6 +27,8 @@ pub struct Many {
     /// Whether each reads the state and the level of the previous one, and the first those of the
     /// last. If false, no port is connected.
     pub chained: bool,
+    /// Number of cells that they are spread over; 0: all are in the process of the daemon.
+    pub cells: usize,
 }
 
 impl Many {
@@ -42,6 +44,9 @@ impl Many {
         let mut add = |more: &str| text.write_str(more).expect("a string takes all");
         for n in 0..self.components {
             add(&format!("[[component]]\nlibrary = {library:?}\nname = \"m{n}\"\n"));
+            if let Some(cell) = n.checked_rem(self.cells) {
+                add(&format!("cell = \"c{cell}\"\n"));
+            }
         }
         for n in (0..self.components).filter(|_| self.chained) {
             let before = (n + self.components - 1) % self.components;
@@ -89,6 +94,24 @@ pub struct Footprint {
 }
 
 impl Footprint {
+    /// Resources of several processes together; what they share counts for each.
+    ///
+    /// # Panics
+    /// If one of them does not run.
+    #[must_use]
+    pub fn of_all(processes: &[u32]) -> Self {
+        let all = processes.iter().map(|&process| Self::of(process));
+        all.reduce(|one, other| Self {
+            descriptors: one.descriptors + other.descriptors,
+            segments: one.segments + other.segments,
+            resident: one.resident + other.resident,
+            shared: one.shared + other.shared,
+            peak: one.peak + other.peak,
+            threads: one.threads + other.threads,
+        })
+        .expect("a process")
+    }
+
     /// Resources of a process now.
     ///
     /// # Panics

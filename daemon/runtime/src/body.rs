@@ -78,6 +78,22 @@ pub trait Body: Send + Sync {
         None
     }
 
+    /// A copy of the IDS; `None` without. Called with all codels excluded.
+    fn ids(&self) -> Option<Record> {
+        None
+    }
+
+    /// Sets the IDS to a record of their type. Called with all codels excluded.
+    fn set_ids(&self, ids: &Record) {
+        let _ = ids;
+    }
+
+    /// Puts back the last value of a port: an out port publishes it, an in port shows it as what
+    /// was read last. Called with all codels excluded.
+    fn restore_port(&self, port: PortIx, element: Option<&str>, value: &Record) {
+        let _ = (port, element, value);
+    }
+
     /// Publishes `value` on an out port that the runtime writes, such as `genom_state`.
     fn write_port(&self, port: PortIx, value: &Record);
 }
@@ -127,6 +143,17 @@ pub trait RemoteCall: Send {
     fn call(&mut self, input: &Record, output: &mut Record) -> Result<(), (String, Value)>;
 }
 
+/// The records of one run of a service.
+#[derive(Clone, Debug)]
+pub struct Memory {
+    /// The `in` and `inout` parameters, as requested.
+    pub input: Record,
+    /// The `out` and `inout` parameters.
+    pub output: Record,
+    /// The local variables.
+    pub local: Record,
+}
+
 /// Parameters and locals of one run of a service, with its codels bound to them.
 pub trait Frame: Send {
     /// Takes the inputs of a request (a record of the service's input struct), copies `inout`
@@ -143,6 +170,16 @@ pub trait Frame: Send {
 
     /// Copies the `out` and `inout` parameters from the IDS to the outputs.
     fn fetch(&mut self);
+
+    /// A copy of its records; `None` if it has none. Not called while a codel of it runs.
+    fn save(&self) -> Option<Memory> {
+        None
+    }
+
+    /// Sets its records, in place of [`begin`](Self::begin). Values of another type are ignored.
+    fn restore(&mut self, memory: &Memory) {
+        let _ = memory;
+    }
 
     /// Copies the values that the IDS hold for the `in` and `inout` parameters of an attribute into
     /// a record of its inputs. A body without IDS copies nothing.

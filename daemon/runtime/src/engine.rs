@@ -5,16 +5,18 @@ use std::sync::{Arc, Condvar, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use genom_description::model::{Indexed, Owner, ServiceIx};
+use genom_description::model::{Indexed, Owner, ServiceIx, TaskIx};
 
 use crate::api::Supervision;
 use crate::body::Frame;
 use crate::control::window::Window;
 use crate::control::{Control, Stage};
 use crate::executor::Executor;
+use crate::frozen::FrozenPort;
 use crate::lock::{Guard, lock};
 use crate::shared::Shared;
 use crate::task::driven::DrivenTask;
+use crate::task::gate::Gate;
 use crate::task::run::Status;
 use crate::watcher::Watcher;
 
@@ -49,6 +51,12 @@ pub(crate) struct Engine {
     pub(crate) recent: Mutex<Vec<Window>>,
     /// Held by the thread that excludes everything, so that only one does.
     pub(crate) everything: Mutex<()>,
+    /// What each task uses during its passes.
+    pub(crate) gates: Indexed<TaskIx, Arc<Gate>>,
+    /// In ports that get their last values when the tasks go on after they were held.
+    pub(crate) in_ports: Mutex<Vec<FrozenPort>>,
+    /// What could not be resumed, and why.
+    pub(crate) unresumed: Mutex<Vec<String>>,
     /// Held while a shutdown takes a step.
     pub(crate) advancing: Mutex<()>,
     pub(crate) threads: Mutex<Vec<JoinHandle<()>>>,
@@ -104,6 +112,7 @@ impl Engine {
         options: crate::Options,
         shared: Arc<Shared>,
         control: Control,
+        gates: Indexed<TaskIx, Arc<Gate>>,
         driven: Option<Vec<DrivenTask>>,
         single: Option<Arc<Executor>>,
     ) -> Self {
@@ -126,6 +135,9 @@ impl Engine {
             state_written: AtomicU64::default(),
             recent: Mutex::new(tasks),
             everything: Mutex::new(()),
+            gates,
+            in_ports: Mutex::default(),
+            unresumed: Mutex::default(),
             advancing: Mutex::new(()),
             threads: Mutex::new(Vec::new()),
             rounds: AtomicU64::new(0),

@@ -13,6 +13,9 @@ use crate::api::{Inputs, OnShutdown, Reply};
 use crate::body::Body;
 use crate::clock::nanos;
 use crate::engine::{ActivityStatus, Engine, NoSuchActivity, OVER};
+use crate::freeze::FreezeError;
+use crate::frozen::Frozen;
+use crate::lock::lock;
 use crate::options::Options;
 use crate::plan::{Plan, owner_name};
 use crate::running::{HeldUp, RunningCodel};
@@ -150,6 +153,26 @@ impl Instance {
     /// A codel is stuck, or did not return in time; `work` was not run.
     pub fn exclusively<R>(&self, work: impl FnOnce(&dyn Body) -> R) -> Result<R, HeldUp> {
         self.engine.exclusively(work)
+    }
+
+    /// What it is between two passes of its tasks, which are kept from the next one while this
+    /// copies its memory. Waits at most `patience` until no codel runs.
+    ///
+    /// # Errors
+    /// Codels ran whenever it looked, or the instance stops.
+    pub fn freeze(&self, patience: Duration) -> Result<Frozen, FreezeError> {
+        self.engine.freeze(patience)
+    }
+
+    /// Lets the tasks go on that [`Resume::hold`] holds.
+    pub fn go_on(&self) {
+        self.engine.go_on();
+    }
+
+    /// What of [`Options::resume`] could not be resumed, and why.
+    #[must_use]
+    pub fn unresumed(&self) -> Vec<String> {
+        lock(&self.engine.unresumed).clone()
     }
 
     /// Codels that run now, with the durations of their calls so far.

@@ -8,6 +8,7 @@ use std::time::Duration;
 use crate::api::Supervision;
 use crate::clock::Clock;
 use crate::executor::Executor;
+use crate::frozen::Resume;
 use crate::rules::Supervised;
 use crate::watcher::Watcher;
 
@@ -62,6 +63,8 @@ pub struct Options {
     pub stuck_after: Duration,
     /// What it is supervised by, at most [`MOST_RULES`](crate::MOST_RULES); further ones are ignored.
     pub rules: Vec<Supervised>,
+    /// Where another instance of the component was, to go on from there.
+    pub resume: Option<Resume>,
 }
 
 /// Default of [`Options::stuck_after`].
@@ -97,6 +100,7 @@ impl Options {
             give_up: None,
             stuck_after: STUCK_AFTER,
             rules: Vec::new(),
+            resume: None,
         }
     }
 }

@@ -38,6 +38,8 @@ pub(crate) struct Shared {
     pub(crate) call: Option<Arc<Call>>,
     /// Whether there is something for control to process.
     pub(crate) attention: AtomicBool,
+    /// Tasks make no pass after their first one while this is set.
+    pub(crate) held: AtomicBool,
     /// Notices dropped because the ring was full.
     pub(crate) lost: Counter,
 }
@@ -101,6 +103,7 @@ impl Shared {
             control: OnceLock::new(),
             call,
             attention: AtomicBool::new(false),
+            held: AtomicBool::new(false),
             lost: Counter::default(),
             plan: Arc::clone(plan),
         }

@@ -196,6 +196,8 @@ impl Engine {
             self.examine(&mut control, &mut after);
         }
         self.finish_off(after);
+        // What is held could not run its `stop` codels.
+        self.go_on();
         self.shared.tasks.iter().for_each(crate::shared::TaskShared::hurry_if_slow);
         true
     }

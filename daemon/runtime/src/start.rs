@@ -1,6 +1,7 @@
 //! Start-up (genom3.md 7.2): threads, permanent activities, and what happens when one fails.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use genom_description::model::{Ix as _, Owner, Task, TaskIx};
@@ -137,14 +138,16 @@ impl Engine {
         let watched = options.watcher.is_some();
         let (links, sides): (Vec<_>, Vec<_>) =
             model.tasks.iter().map(|_| rings(options.activity_limit, watched, supervised)).unzip();
-        let runners = shared.tasks.places().zip(sides);
-        let runners: Vec<Runner> =
-            runners.map(|(task, side)| Runner::new(Arc::clone(&shared), task, side)).collect();
+        let resume = options.resume.take();
+        shared.held.store(resume.is_some(), Ordering::Release);
+        let runner = |(task, side)| Runner::new(Arc::clone(&shared), task, side);
+        let runners: Vec<Runner> = shared.tasks.places().zip(sides).map(runner).collect();
+        let gates = runners.iter().map(|runner| Arc::clone(runner.gate())).collect();
         let control = Control::new(plan, links.into_iter().collect());
         let patience = Patience { timeout: options.start_timeout, give_up: options.give_up.take() };
         let virtual_time = matches!(clock, Clock::Virtual(_));
         let driven = virtual_time.then(|| Vec::with_capacity(runners.len()));
-        let engine = Arc::new(Self::new(options, shared, control, driven, single));
+        let engine = Arc::new(Self::new(options, shared, control, gates, driven, single));
         engine.write_state();
         let seat = engine.enter_executor();
         for (runner, task_options) in runners.into_iter().zip(of_task) {
@@ -155,6 +158,9 @@ impl Engine {
                 }
                 return Err(error);
             }
+        }
+        if let Some(resume) = resume {
+            engine.resume(resume);
         }
         engine.open(&clock);
         Ok(engine)

@@ -42,6 +42,7 @@ scenarios! {
     a_component_without_task_serves_attributes_and_functions
     a_function_interrupts_after_its_codels_and_does_not_wait
     a_function_runs_its_codels_in_order_until_one_fails
+    a_held_component_runs_nothing_before_it_goes_on
     a_pause_in_a_periodic_task_lasts_until_the_next_tick
     a_pause_in_an_aperiodic_task_lasts_until_something_happens
     a_permanent_activity_that_fails_takes_the_component_with_it
@@ -52,6 +53,7 @@ scenarios! {
     a_stop_cannot_be_stopped_again
     a_stop_without_stop_codel_ends_as_interrupted
     a_task_runs_as_many_activities_as_it_has_slots
+    a_thawed_activity_goes_on_in_the_state_where_it_was
     abort_activity_knows_running_activities_only
     activities_end_by_what_their_codels_return
     activities_of_a_task_interleave_one_codel_at_a_time
@@ -77,12 +79,15 @@ scenarios! {
     shutdown_stops_activities_then_tasks_in_reverse_order
     standard_services_ask_the_supervisor
     stop_takes_all_places
+    thawed_activities_do_not_interrupt_each_other
     the_2010_paper_stops_on_an_emergency
     the_2010_paper_takes_one_transition_a_period
     the_2011_paper_runs_as_the_2010_one_does
     the_newest_of_several_waiting_for_a_stop_wins
     two_places_that_meet_become_one
     what_a_port_returns_is_an_exception_its_service_must_declare
+    what_cannot_be_resumed_is_told_with_the_reason
+    what_ran_and_what_ended_before_a_freeze_stays_so
 }
 
 #[test]

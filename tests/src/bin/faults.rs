@@ -12,21 +12,26 @@ use std::process::ExitCode;
 use genom_tests::bare;
 use genom_tests::crash::{Phase, Points, Stage, Toll};
 use genom_tests::faults::{FAULTS, Fault};
-use genom_tests::trial::Trial;
+use genom_tests::trial::{Place, Trial};
 
 const HELP: &str = "\
-Try what codels can do to the process they share, and end daemons with SIGKILL before calls that
-touch shared memory. Print what became of it, of a component in the same daemon and one in another,
-of the next start, and what was left behind. Exit status 1: something became of one that is not
-what is to become of it.
+Try what codels can do to the process they share, in the process of their daemon and in a cell, and
+end daemons with SIGKILL before calls that touch shared memory. Print what became of it, the periods
+that tasks of 1 kHz missed beside it and in another process, when all was back, by how much the
+daemon grew, and what was left behind. Exit status 1: something became of one that is not what is to
+become of it.
 
-Usage: cargo faults [--short] [--json] [--every N] [--backend NAME]... [WORD]...
+Usage: cargo faults [--short] [--json] [--release] [--place NAME] [--times N] [--every N]
+                    [--backend NAME]... [WORD]...
 
   --short         A few of them, in seconds
+  --release       Programs as users build them [default: those of the tests]
+  --place NAME    Only where it is `own`, the process of the daemon, or `cell`
+  --times N       Each fault that ends a cell so often, for percentiles [default: 1]
   --every N       End daemons before every Nth call on shared memory; 1: all, in ten minutes
                   [default: 4]
-  --backend NAME  On this middleware: local, shm, zenoh, ros2 [default: each fault on local, and
-                  those that end the daemon on all]
+  --backend NAME  On this middleware: local, shm, zenoh, ros2 [default: each fault on local, those
+                  that end the daemon on all, and in cells on shm]
   --json          A list of objects instead of the table
   WORD            Only faults that say this word, or have it in the name of component or service;
                   `SIGKILL` are the ends of daemons
@@ -36,16 +41,20 @@ const BACKENDS: [&str; 4] = ["local", "shm", "zenoh", "ros2"];
 
 /// The short form: the phases in which an ended daemon leaves most, and one fault of each other
 /// kind.
-const SHORT: [(&str, &str, &str); 4] = [
-    ("crashes", "segfault", "shm"),
-    ("crashes", "leave", "local"),
-    ("escapes", "fail", "local"),
-    ("strays", "unknown", "local"),
+const SHORT: [(&str, &str, Place, &str); 5] = [
+    ("crashes", "segfault", Place::Own, "shm"),
+    ("crashes", "segfault", Place::Cell, "shm"),
+    ("crashes", "leave", Place::Own, "local"),
+    ("escapes", "fail", Place::Own, "local"),
+    ("strays", "unknown", Place::Own, "local"),
 ];
 
 struct Asked {
     short: bool,
+    release: bool,
     json: bool,
+    places: Vec<Place>,
+    times: usize,
     every: usize,
     backends: Vec<String>,
     words: Vec<String>,
@@ -54,22 +63,43 @@ struct Asked {
 /// A row of the table.
 #[derive(Clone, Copy)]
 enum Chosen<'a> {
-    Fault(&'static Fault, &'a str),
+    Fault(&'static Fault, Place, &'a str),
     Killed(Phase, Points),
 }
 
 fn asked(mut arguments: impl Iterator<Item = String>) -> Result<Option<Asked>, String> {
-    let mut asked =
-        Asked { short: false, json: false, every: 4, backends: Vec::new(), words: Vec::new() };
+    let mut asked = Asked {
+        short: false,
+        release: false,
+        json: false,
+        places: Place::ALL.to_vec(),
+        times: 1,
+        every: 4,
+        backends: Vec::new(),
+        words: Vec::new(),
+    };
+    let number = |word: Option<String>| word?.parse().ok().filter(|&number: &usize| number > 0);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "-h" | "--help" => return Ok(None),
             "--short" => asked.short = true,
+            "--release" => asked.release = true,
             "--json" => asked.json = true,
-            "--every" => match arguments.next().and_then(|number| number.parse().ok()) {
-                Some(every) if every > 0 => asked.every = every,
-                _ => return Err("--every takes a number from 1".to_owned()),
+            "--every" => match number(arguments.next()) {
+                Some(every) => asked.every = every,
+                None => return Err("--every takes a number from 1".to_owned()),
             },
+            "--times" => match number(arguments.next()) {
+                Some(times) => asked.times = times,
+                None => return Err("--times takes a number from 1".to_owned()),
+            },
+            "--place" => {
+                let named = arguments.next().unwrap_or_default();
+                match Place::ALL.into_iter().find(|place| place.to_string() == named) {
+                    Some(place) => asked.places = vec![place],
+                    None => return Err("--place takes own or cell".to_owned()),
+                }
+            }
             "--backend" => match arguments.next() {
                 Some(name) if BACKENDS.contains(&name.as_str()) => asked.backends.push(name),
                 _ => return Err(format!("--backend takes one of {}", BACKENDS.join(", "))),
@@ -92,19 +122,28 @@ fn chosen(asked: &Asked) -> Vec<Chosen<'_>> {
         .filter(|fault| says(format!("{} {}/{}", fault.what, fault.component, fault.service)));
     let pairs = faults.flat_map(|fault| {
         let given = asked.backends.iter().map(String::as_str);
-        let all = if fault.outcome.goes_on() { &BACKENDS[..1] } else { &BACKENDS[..] };
-        let on: Vec<&str> = if asked.backends.is_empty() { all.to_vec() } else { given.collect() };
-        on.into_iter().map(move |backend| (fault, backend))
+        let given: Vec<&str> = given.collect();
+        asked.places.iter().flat_map(move |&place| {
+            let all = match place {
+                Place::Own if fault.outcome.goes_on() => &BACKENDS[..1],
+                Place::Own => &BACKENDS[..],
+                Place::Cell => &BACKENDS[1..2],
+            };
+            let on = if given.is_empty() { all.to_vec() } else { given.clone() };
+            on.into_iter().map(move |backend| (fault, place, backend))
+        })
     });
-    let short = |(fault, backend): &(&Fault, &str)| {
-        SHORT.contains(&(fault.component, fault.service, *backend))
+    let short = |(fault, place, backend): &(&Fault, Place, &str)| {
+        SHORT.contains(&(fault.component, fault.service, *place, *backend))
     };
     let faults = pairs.filter(|pair| !asked.short || short(pair));
     let points = if asked.short { Points::Few(3) } else { Points::Every(asked.every) };
     let on_shm = asked.backends.is_empty() || asked.backends.iter().any(|name| name == "shm");
-    let killed = Phase::ALL.into_iter().filter(|phase| on_shm && says(Trial::killed_in(*phase)));
+    let whole = asked.places.contains(&Place::Own);
+    let killed =
+        Phase::ALL.into_iter().filter(|phase| whole && on_shm && says(Trial::killed_in(*phase)));
     faults
-        .map(|(fault, backend)| Chosen::Fault(fault, backend))
+        .map(|(fault, place, backend)| Chosen::Fault(fault, place, backend))
         .chain(killed.map(|phase| Chosen::Killed(phase, points)))
         .collect()
 }
@@ -118,18 +157,18 @@ fn tell(progress: &str) {
     }
 }
 
-fn try_all(chosen: &[Chosen<'_>]) -> Result<Vec<Trial>, std::io::Error> {
+fn try_all(chosen: &[Chosen<'_>], times: usize) -> Result<Vec<Trial>, std::io::Error> {
     let program = std::env::current_exe()?;
     let mut stage = None;
     let mut trials = Vec::with_capacity(chosen.len());
     for (at, chosen_one) in chosen.iter().enumerate() {
         let number = format!("{}/{}", at + 1, chosen.len());
         trials.push(match *chosen_one {
-            Chosen::Fault(fault, backend) => {
-                tell(&format!("{number}: a codel {} on {backend}", fault.what));
+            Chosen::Fault(fault, place, backend) => {
+                tell(&format!("{number}: a codel {} on {backend} ({place})", fault.what));
                 // Failures are shown in the table instead.
                 std::panic::set_hook(Box::new(|_| {}));
-                let trial = Trial::of(fault, backend);
+                let trial = Trial::of(fault, place, backend, times);
                 drop(std::panic::take_hook());
                 trial
             }
@@ -153,12 +192,13 @@ fn try_all(chosen: &[Chosen<'_>]) -> Result<Vec<Trial>, std::io::Error> {
 }
 
 fn print(trials: &[Trial]) {
-    const HEAD: [&str; 6] =
-        ["FAULT", "BACKEND", "WHAT HAPPENED", "PERIODS MISSED", "NEXT START", "LEFT BEHIND"];
-    let rows: Vec<[&str; 6]> = trials
+    const HEAD: [&str; 8] =
+        ["FAULT", "PLACE", "BACKEND", "WHAT HAPPENED", "PERIODS MISSED", "BACK", "MEMORY", "LEFT"];
+    let rows: Vec<[&str; 8]> = trials
         .iter()
-        .map(|one| -> [&str; 6] {
-            [&one.fault, &one.backend, &one.happened, &one.neighbours, &one.next, &one.left]
+        .map(|one| -> [&str; 8] {
+            let Trial { fault, place, backend, happened, neighbours, back, memory, left, .. } = one;
+            [fault, place, backend, happened, neighbours, back, memory, left]
         })
         .collect();
     let widths: Vec<usize> = (0..HEAD.len())
@@ -170,7 +210,7 @@ fn print(trials: &[Trial]) {
     }
     for one in trials {
         if let Some(wrong) = &one.wrong {
-            println!("\n{} on {}: {wrong}", one.fault, one.backend);
+            println!("\n{} on {} ({}): {wrong}", one.fault, one.backend, one.place);
         }
     }
 }
@@ -197,7 +237,10 @@ fn main() -> ExitCode {
         eprintln!("no fault is called so");
         return ExitCode::from(2);
     }
-    let trials = match try_all(&chosen) {
+    if asked.release {
+        let _ = genom_tests::release();
+    }
+    let trials = match try_all(&chosen, asked.times) {
         Ok(trials) => trials,
         Err(why) => {
             eprintln!("this program cannot be started again: {why}");

@@ -17,7 +17,7 @@ fn main() {
     };
     let directory = Path::new(directory);
     std::fs::create_dir_all(directory).unwrap();
-    let many = Many { components: count.parse().unwrap(), chained: !rest.is_empty() };
+    let many = Many { components: count.parse().unwrap(), chained: !rest.is_empty(), cells: 0 };
     let file = directory.join("genomd.toml");
     std::fs::write(&file, many.configuration(backend, directory)).unwrap();
     println!("genomd --config {}", file.display());

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use genom_description::model::{CodelIx, Indexed, Owner, ServiceIx};
-use genom_runtime::body::{Frame, Returned};
+use genom_runtime::body::{Frame, Memory, Returned};
 use genom_types::{Record, foreign};
 use serde_json::{Value, json};
 
@@ -228,6 +228,16 @@ impl Frame for BoundFrame {
         if let Some(types) = types {
             self.copy(&types.fetch, self.ids(), to);
         }
+    }
+
+    fn save(&self) -> Option<Memory> {
+        Some(self.saved())
+    }
+
+    fn restore(&mut self, memory: &Memory) {
+        self.last = Last::Plain;
+        self.keep_inputs(&memory.input);
+        self.put_back(memory);
     }
 
     fn current(&mut self, inputs: &mut Record) {

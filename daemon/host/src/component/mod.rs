@@ -9,6 +9,7 @@ mod inner;
 mod last;
 mod parts;
 mod returned;
+mod saved;
 mod types;
 mod way;
 mod zones;
@@ -160,6 +161,18 @@ impl Body for Component {
 
     fn damage(&self) -> Option<String> {
         self.inner.damage.get().cloned()
+    }
+
+    fn ids(&self) -> Option<Record> {
+        self.inner.ids_in_c()
+    }
+
+    fn set_ids(&self, ids: &Record) {
+        self.inner.set_ids(ids);
+    }
+
+    fn restore_port(&self, port: PortIx, element: Option<&str>, value: &Record) {
+        self.inner.ports.restore(port, element, value);
     }
 
     fn write_port(&self, port: PortIx, value: &Record) {

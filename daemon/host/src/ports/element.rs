@@ -161,6 +161,24 @@ impl Element {
         written.unwrap_or(Err(Failure::PortIo))
     }
 
+    /// Puts back the last value: an out port publishes it, an in port shows it.
+    pub(super) fn restore(&self, value: &Record) -> Result<(), Failure> {
+        let restored = self.with(|inner| {
+            inner.buffer.copy_from(value).map_err(|_| Failure::Serialization)?;
+            if let Some(object) = &mut inner.object {
+                object.set(&inner.buffer);
+            }
+            if let Link::Out(_) = inner.link {
+                return Self::publish(&self.snapshot, &mut inner.link, &inner.buffer);
+            }
+            self.visible.store(true, Ordering::Relaxed);
+            // SAFETY: `with` admits one caller at a time.
+            unsafe { self.snapshot.offer(&inner.buffer) };
+            Ok(())
+        });
+        restored.unwrap_or(Err(Failure::PortIo))
+    }
+
     /// Publishes a value. Called within `with` only.
     fn publish(snapshot: &Snapshot, link: &mut Link, value: &Record) -> Result<(), Failure> {
         let Link::Out(Some(publisher)) = link else { return Err(Failure::NoSuchOutport) };

@@ -185,6 +185,19 @@ impl Ports {
         }
     }
 
+    /// Puts back the last value of a port; an element of an out port is opened for it.
+    pub(crate) fn restore(&self, port: PortIx, element: Option<&str>, value: &Record) {
+        let Some(Handle { name, buffers, .. }) = self.ports.get(port) else { return };
+        let restored = match (buffers, element) {
+            (Buffers::Simple(buffer), None) => buffer.restore(value),
+            (Buffers::Multiple(elements), Some(element)) => elements.restore(element, value),
+            _ => return,
+        };
+        if let Err(failure) = restored {
+            tracing::warn!("port {name}: its last value is not put back: {failure:?}");
+        }
+    }
+
     /// Publishes a value on a simple out port.
     pub(crate) fn write(&self, port: PortIx, value: &Record) {
         let Some(Handle { name, buffers: Buffers::Simple(buffer), .. }) = self.ports.get(port)

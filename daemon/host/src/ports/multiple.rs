@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use genom_description::model::{PortDirection, PortIx};
 use genom_runtime::body::Opener;
-use genom_types::DataType;
+use genom_types::{DataType, Record};
 
 use super::element::{Element, Failure, Link};
 use crate::cxx::CxxType;
@@ -78,6 +78,15 @@ impl Elements {
             opener.open(self.port, name).map_err(|error| Failure::Middleware(error.to_string()))?;
         self.bind(name, Link::Out(Some(publisher)));
         Ok(())
+    }
+
+    /// Puts back the last value of an element. One of an out port is opened; one of an in port that
+    /// is not connected does not exist.
+    pub(super) fn restore(&self, name: &str, value: &Record) -> Result<(), Failure> {
+        if self.direction == PortDirection::Out {
+            self.open(Some(name.as_bytes()))?;
+        }
+        self.get(name.as_bytes()).map_or(Ok(()), |element| element.restore(value))
     }
 
     /// Closes an element of an out port.

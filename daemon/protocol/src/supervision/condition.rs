@@ -5,7 +5,6 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-
 /// Limit on the rules of a component.
 pub const MOST_RULES: usize = 32;
 /// Limit on `missed`.

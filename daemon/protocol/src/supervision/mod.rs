@@ -6,11 +6,11 @@ mod response;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Reaction, is_false};
 use crate::several::{Item, one_or_several};
+use crate::{Reaction, is_false};
 
-use condition::{MOST_MISSED, MOST_REACTIONS, WITHIN_MS, time};
 pub use condition::{Condition, Kind, MOST_RULES, NoRule, Whose};
+use condition::{MOST_MISSED, MOST_REACTIONS, WITHIN_MS, time};
 pub use response::{OwnResponse, Response};
 
 /// A rule, and what is done when it is broken.

@@ -7,7 +7,7 @@ use rustix::thread::futex;
 
 /// Priority-inheriting futex: the word is 0, or the holder's thread id (protocol of the kernel).
 #[derive(Debug, Default)]
-pub(super) struct PiLock {
+pub(crate) struct PiLock {
     word: AtomicU32,
 }
 
@@ -23,7 +23,7 @@ fn this_thread() -> u32 {
 }
 
 impl PiLock {
-    pub(super) fn lock(&self) {
+    pub(crate) fn lock(&self) {
         let me = this_thread();
         while self.word.compare_exchange(0, me, Ordering::Acquire, Ordering::Relaxed).is_err() {
             // Miri does not emulate this futex operation: compare-and-swap only.
@@ -37,7 +37,12 @@ impl PiLock {
         }
     }
 
-    pub(super) fn unlock(&self) {
+    /// Locks it if nobody holds it.
+    pub(crate) fn try_lock(&self) -> bool {
+        self.word.compare_exchange(0, this_thread(), Ordering::Acquire, Ordering::Relaxed).is_ok()
+    }
+
+    pub(crate) fn unlock(&self) {
         let me = this_thread();
         if self.word.compare_exchange(me, 0, Ordering::Release, Ordering::Relaxed).is_err() {
             let _ = futex::unlock_pi(&self.word, futex::Flags::PRIVATE);

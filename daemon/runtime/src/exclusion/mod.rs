@@ -22,10 +22,10 @@ use rustix::thread::futex;
 use rustix::time::Timespec;
 
 use crate::plan::Nodes;
-use guard::PiLock;
 use mask::{ALL, Masks, WAITERS};
 use node::{EVERYTHING, IDLE};
 
+pub(crate) use guard::PiLock;
 pub use inherit::Inheritance;
 pub(crate) use inherit::set_fifo;
 

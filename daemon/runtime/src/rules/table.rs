@@ -1,9 +1,9 @@
 //! Rules as tables by index, so that the thread that runs codels looks nothing up.
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 
-use genom_description::model::{CodelIx, Indexed, Owner, ServiceIx, StateIx, TaskIx};
+use genom_description::model::{CodelIx, CodelKind, Indexed, Owner, ServiceIx, StateIx, TaskIx};
 
 use super::alive::Window;
 use super::broken::{Fact, Seen};
@@ -37,6 +37,8 @@ pub(crate) struct Rules {
     stepping: Box<[bool]>,
     /// Activities that run, by state machine; empty if no rule asks.
     running: Box<[AtomicU32]>,
+    /// Codels that returned before the instance went on from another one.
+    before: Indexed<CodelIx, AtomicBool>,
     /// Dates of the calls that were told, by context and rule: each call breaks a rule once.
     claims: Box<[AtomicU64]>,
     /// Windows of the rules about missed ticks.
@@ -92,6 +94,7 @@ impl Rules {
             bounds,
             stepping,
             running,
+            before: model.codels.iter().map(|_| AtomicBool::new(false)).collect(),
             claims,
             alive: alive.collect(),
             windows: Mutex::new(windows),
@@ -153,6 +156,20 @@ impl Rules {
         std::mem::take(&mut *lock(&self.aside))
     }
 
+    /// A service was executed before the instance went on from another one: so were its codels, of
+    /// an activity those of state `start`.
+    pub(crate) fn has_run(&self, plan: &Plan, service: ServiceIx) {
+        let (model, start) = (plan.component(), plan.component().state("start"));
+        let first = |codel: &&CodelIx| match &model.codels[**codel].kind {
+            CodelKind::Fsm { triggers, .. } => start.is_some_and(|start| triggers.contains(&start)),
+            CodelKind::Validate | CodelKind::Simple => true,
+        };
+        let Some(service) = model.services.get(service) else { return };
+        for &codel in service.validates.iter().chain(&service.codels).filter(first) {
+            self.before[codel].store(true, Ordering::Relaxed);
+        }
+    }
+
     /// An activity begins to run.
     pub(crate) fn begins(&self, machine: usize) {
         if let Some(running) = self.running.get(machine) {
@@ -198,10 +215,11 @@ impl Rules {
         has_run: impl Fn(CodelIx) -> bool,
         mut tell: impl FnMut(usize, Fact),
     ) {
+        let did = |codel| has_run(codel) || self.before[codel].load(Ordering::Relaxed);
         for (rank, one) in self.all.iter().enumerate() {
             match &one.rule {
                 Rule::After { codels, first }
-                    if codels.contains(&codel) && !first.iter().any(|&first| has_run(first)) =>
+                    if codels.contains(&codel) && !first.iter().any(|&first| did(first)) =>
                 {
                     if let Some(&first) = first.first() {
                         tell(rank, Fact::Early { codel, first });

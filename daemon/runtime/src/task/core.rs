@@ -53,6 +53,21 @@ impl Core {
         self.runs.push(run);
     }
 
+    /// The activities, in order of start.
+    pub(crate) fn runs(&self) -> impl Iterator<Item = &Run> {
+        self.runs.iter().map(AsRef::as_ref)
+    }
+
+    /// The run of this machine.
+    pub(crate) fn run_of(&mut self, machine: usize) -> Option<&mut Run> {
+        self.runs.iter_mut().map(AsMut::as_mut).find(|run| run.machine == machine)
+    }
+
+    /// Drops all activities.
+    pub(crate) fn clear(&mut self) {
+        self.runs.clear();
+    }
+
     /// Whether there is no activity.
     pub(crate) fn is_empty(&self) -> bool {
         self.runs.is_empty()

@@ -5,6 +5,7 @@ pub(crate) mod core;
 #[cfg(test)]
 mod core_tests;
 pub(crate) mod driven;
+pub(crate) mod gate;
 pub(crate) mod hurry;
 pub(crate) mod pace;
 pub(crate) mod rhythm;

@@ -1,11 +1,13 @@
 //! Applies the rules of a task, with exclusion, statistics and reports to control.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use genom_description::model::{CodelIx, Ix as _, StateIx, TaskIx};
 use rtrb::{Consumer, Producer};
 
 use super::core::{Calls, Core, Passed};
+use super::gate::{Gate, Inside};
 use super::run::{Mode, Run, RunOutcome, Token};
 use crate::body::Returned;
 use crate::rules::{Fact, Seen};
@@ -27,8 +29,8 @@ pub(crate) struct TaskSide {
 pub(crate) struct Runner {
     shared: Arc<Shared>,
     task: TaskIx,
-    core: Core,
-    side: TaskSide,
+    /// Its activities, which others look at between two passes.
+    gate: Arc<Gate>,
     /// Buffer for the states of external events.
     fired: Vec<StateIx>,
     /// Whether the first codel of the permanent activity has run.
@@ -45,7 +47,12 @@ impl Runner {
         let fired = Vec::with_capacity(model.sinks.len());
         // Capacity for all runs that the task can have at once: it never allocates.
         let core = Core::new(side.inbox.buffer().capacity() + 2, by_period);
-        Self { shared, task, core, side, fired, started: false, end: 0 }
+        let gate = Arc::new(Gate::new(Inside { core, side }));
+        Self { shared, task, gate, fired, started: false, end: 0 }
+    }
+
+    pub(crate) fn gate(&self) -> &Arc<Gate> {
+        &self.gate
     }
 
     pub(crate) fn task(&self) -> TaskIx {
@@ -65,61 +72,75 @@ impl Runner {
     /// one.
     pub(crate) fn pass(&mut self, runnable: bool, now: u64) -> Passed {
         self.end = now;
-        while let Ok(run) = self.side.inbox.pop() {
-            self.core.admit(run);
-        }
-        let shared = &self.shared;
-        shared.tasks[self.task].take_fired(&shared.plan, &mut self.fired);
-        if self.core.is_empty() {
+        let (shared, task) = (&self.shared, self.task);
+        let mut inside = self.gate.lock();
+        if self.started && shared.held.load(Ordering::Acquire) {
             return Passed::default();
         }
-        let TaskSide { notices, broken, .. } = &mut self.side;
-        let mut calls = Caller { shared, task: self.task, now, notices, broken };
-        let passed = self.core.pass(&shared.plan, runnable, &self.fired, &mut calls);
+        inside.admit_sent();
+        let Inside { core, side } = &mut *inside;
+        shared.tasks[task].take_fired(&shared.plan, &mut self.fired);
+        if core.is_empty() {
+            return Passed::default();
+        }
+        let TaskSide { notices, broken, outbox, .. } = side;
+        let mut calls = Caller { shared, task, now, notices, broken };
+        let passed = core.pass(&shared.plan, runnable, &self.fired, &mut calls);
         self.end = calls.now;
         if passed.moved {
-            self.hand_back();
-            self.shared.wake_others(self.task);
+            hand_back(shared, task, core, outbox);
+        }
+        drop(inside);
+        if passed.moved {
+            shared.wake_others(task);
         }
         if !self.started && runnable {
             self.started = true;
-            self.shared.tasks[self.task].first_codel_done();
+            shared.tasks[task].first_codel_done();
         }
         passed
-    }
-
-    fn hand_back(&mut self) {
-        let (shared, task, outbox) = (&self.shared, self.task, &mut self.side.outbox);
-        let mut any = false;
-        self.core.take_ended(|mut run| {
-            any = true;
-            if run.outcome != Some(RunOutcome::Cancelled) {
-                shared.rules.ends(run.machine);
-            }
-            let machine = &shared.plan.machines()[run.machine];
-            if let (Some(RunOutcome::Success), Some(node)) =
-                (run.outcome, shared.fetch_node(machine.owner))
-            {
-                // dialects.md A: outputs are read from the IDS at the end.
-                let _permit = shared.exclusion.enter(task.index(), node);
-                run.frame.fetch();
-            }
-            // The ring has room for every possible run.
-            let _ = outbox.push(run);
-        });
-        if any {
-            shared.wake_control();
-        }
     }
 
     /// Records missed ticks, and reports them to watchers.
     pub(crate) fn overran(&mut self, ticks: u64) {
         self.shared.tasks[self.task].figures.overruns.missed(ticks);
         let notice = Notice::Overrun { task: self.task, ticks };
-        self.shared.notify(&mut self.side.notices, notice);
+        self.shared.notify(&mut self.gate.lock().side.notices, notice);
         if self.shared.rules.watches_ticks(self.task) {
             self.shared.wake_control();
         }
+    }
+}
+
+impl Drop for Runner {
+    /// Releases memory and code of the component, as whoever waits for this thread expects.
+    fn drop(&mut self) {
+        let mut inside = self.gate.lock();
+        inside.admit_sent();
+        inside.core.clear();
+    }
+}
+
+fn hand_back(shared: &Shared, task: TaskIx, core: &mut Core, outbox: &mut Producer<Box<Run>>) {
+    let mut any = false;
+    core.take_ended(|mut run| {
+        any = true;
+        if run.outcome != Some(RunOutcome::Cancelled) {
+            shared.rules.ends(run.machine);
+        }
+        let machine = &shared.plan.machines()[run.machine];
+        if let (Some(RunOutcome::Success), Some(node)) =
+            (run.outcome, shared.fetch_node(machine.owner))
+        {
+            // dialects.md A: outputs are read from the IDS at the end.
+            let _permit = shared.exclusion.enter(task.index(), node);
+            run.frame.fetch();
+        }
+        // The ring has room for every possible run.
+        let _ = outbox.push(run);
+    });
+    if any {
+        shared.wake_control();
     }
 }
 

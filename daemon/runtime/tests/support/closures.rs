@@ -181,7 +181,7 @@ impl Frame for ClosureFrame {
 }
 
 /// A supervisor that does nothing.
-struct Nobody;
+pub(crate) struct Nobody;
 
 impl Supervision for Nobody {
     fn connect_port(&self, _: &str, _: &str) -> Result<(), ConnectionError> {

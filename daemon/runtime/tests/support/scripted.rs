@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 
 use genom_description::model::{CodelIx, CodelKind, Ix as _, Owner, PortIx, RemoteIx, ServiceIx};
 use genom_middleware::{Publisher, Subscription};
-use genom_runtime::body::{Body, Frame, Opener, RemoteCall, Returned};
+use genom_runtime::body::{Body, Frame, Memory, Opener, RemoteCall, Returned};
 use genom_runtime::{Plan, VirtualClock};
 use genom_types::Record;
 use serde_json::Value;
@@ -143,6 +143,16 @@ impl Frame for ScriptedFrame {
     fn begin(&mut self, input: &Record) {
         self.input.copy_from(input).unwrap();
         self.output.clear();
+    }
+
+    fn save(&self) -> Option<Memory> {
+        let (input, output) = (self.input.clone(), self.output.clone());
+        Some(Memory { local: output.clone(), input, output })
+    }
+
+    fn restore(&mut self, memory: &Memory) {
+        self.input.copy_from(&memory.input).unwrap();
+        self.output.copy_from(&memory.output).unwrap();
     }
 
     fn store(&mut self) {

@@ -4,9 +4,10 @@ use std::fmt::Write as _;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use genom_description::model::Owner;
 use genom_runtime::{
-    Clock, ConnectionError, Execution, Instance, Options, Outcome, Progress, Supervision,
-    VirtualClock, input_record,
+    Clock, ConnectionError, Execution, Frozen, FrozenActivity, Instance, Options, Outcome,
+    Progress, Reply, Resume, Resumed, Supervision, VirtualClock, input_record,
 };
 use serde_json::Value;
 
@@ -48,6 +49,7 @@ struct Play {
     execution: Execution,
     limit: usize,
     requests: u8,
+    frozen: Option<Frozen>,
 }
 
 /// Runs a scenario, and returns its text with the actual results.
@@ -73,6 +75,7 @@ pub(crate) fn replay(text: &str, execution: &Execution) -> String {
         execution: execution.clone(),
         limit: 16,
         requests: 0,
+        frozen: None,
     };
     let mut out = text[..text.len() - steps.len()].to_owned();
     for line in steps.lines() {
@@ -113,7 +116,7 @@ impl Play {
         let (verb, rest) = command.split_once(' ').unwrap_or((command, ""));
         match verb {
             "limit" => self.limit = rest.parse().unwrap(),
-            "start" => self.start(),
+            "start" => self.start(None),
             "step" => self.clock.step(duration(rest)),
             "codel" => set_answers(&self.script, rest),
             "request" => self.request(rest),
@@ -127,6 +130,9 @@ impl Play {
                 self.instance().fire(sink).unwrap();
             }
             "activities" => self.activities(),
+            "freeze" => self.freeze(),
+            "thaw" => self.thaw(rest == "held"),
+            "go-on" => self.instance().go_on(),
             "shutdown" => match self.instance().shutdown(Duration::from_secs(60)) {
                 Ok(()) => self.note("stopped".into()),
                 Err(error) => self.note(error.to_string()),
@@ -139,12 +145,68 @@ impl Play {
         self.instance.as_ref().expect("`> start` comes first")
     }
 
-    fn start(&mut self) {
+    fn freeze(&mut self) {
+        let frozen = self.instance().freeze(Duration::ZERO).unwrap();
+        let model = self.body.plan.component();
+        for a in &frozen.activities {
+            let owner = match a.owner {
+                Owner::Task(task) => format!("permanent of {}", model.tasks[task].name),
+                Owner::Service(service) => model.services[service].name.clone(),
+            };
+            let places = a.tokens.iter();
+            let places =
+                places.map(|token| format!("{} {:?}", model.states[token.state], token.waits));
+            let mut line = format!("{} {owner}: {:?}", a.id, a.phase);
+            if a.pending {
+                line.push_str(" pending");
+            }
+            if let Some(by) = &a.stopped_by {
+                write!(line, " stopped by {by}").unwrap();
+            }
+            write!(line, " [{}]", places.collect::<Vec<_>>().join(", ")).unwrap();
+            self.note(line);
+        }
+        let executed = frozen.executed.iter().map(|&service| model.services[service].name.as_str());
+        self.note(format!("executed [{}]", executed.collect::<Vec<_>>().join(" ")));
+        self.frozen = Some(frozen);
+    }
+
+    /// Another instance in the place of this one, with what was frozen last.
+    fn thaw(&mut self, hold: bool) {
+        self.instance = None;
+        self.script.lock().unwrap().trace.clear();
+        let Frozen { executed, activities, .. } = self.frozen.take().expect("`> freeze` before");
+        let script = &self.script;
+        let resumed = |activity: FrozenActivity| {
+            let (id, script) = (activity.id, Arc::clone(script));
+            let reply: Reply = Box::new(move |progress| {
+                let line = match progress {
+                    Progress::Accepted { activity } if activity == id => format!("{id} goes on"),
+                    Progress::Accepted { activity } => format!("{id} goes on as {activity}"),
+                    Progress::Ended(Outcome::Success(output)) => {
+                        format!("{id} done {}", output.to_json())
+                    }
+                    Progress::Ended(Outcome::Exception(exception)) => {
+                        format!("{id} failed {exception}")
+                    }
+                };
+                script.lock().unwrap().trace.push(line);
+            });
+            Resumed { activity, reply: Some(reply) }
+        };
+        let activities = Some(activities.into_iter().map(resumed).collect());
+        self.start(Some(Resume { ids: None, ports: Vec::new(), executed, activities, hold }));
+        let unresumed = self.instance().unresumed();
+        unresumed.into_iter().for_each(|what| self.note(format!("not resumed: {what}")));
+    }
+
+    fn start(&mut self, resume: Option<Resume>) {
         let supervision = Arc::new(Supervisor(Arc::clone(&self.script)));
         let mut options = Options::new(self.body.plan.component().name.clone(), supervision);
         options.clock = Clock::Virtual(Arc::clone(&self.clock));
         options.activity_limit = self.limit;
         options.execution = self.execution.clone();
+        options.resume = resume;
         let body = Arc::clone(&self.body);
         match Instance::start(Arc::clone(&self.body.plan), body, options) {
             Ok(instance) => self.instance = Some(instance),

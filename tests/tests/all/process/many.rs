@@ -7,7 +7,7 @@ use genom_tests::{Footprint, Home, Many};
 #[test]
 fn one_library_runs_under_many_names_and_values_go_through_all_of_them() {
     let made = tempfile::tempdir().unwrap();
-    let text = Many { components: 20, chained: true }.configuration("local", made.path());
+    let text = Many { components: 20, chained: true, cells: 0 }.configuration("local", made.path());
     let daemon = Home::new().configured(&text).start(&[]);
     assert_eq!(daemon.json(&["list"])["components"].as_array().map(Vec::len), Some(20));
     for reader in ["m0", "m1", "m19"] {
@@ -18,7 +18,7 @@ fn one_library_runs_under_many_names_and_values_go_through_all_of_them() {
 /// Resources of a daemon with this many components on shared memory, while all of them write.
 fn on_shm(components: usize, chained: bool) -> (Footprint, usize) {
     let made = tempfile::tempdir().unwrap();
-    let text = Many { components, chained }.configuration("shm", made.path());
+    let text = Many { components, chained, cells: 0 }.configuration("shm", made.path());
     // Both the soft and the hard limit, so that the daemon cannot raise it.
     let daemon = Home::new().configured(&text).start_by(&["prlimit", "--nofile=1024:1024"], &[]);
     let last = format!("m{}", components - 1);
@@ -63,7 +63,7 @@ fn components_that_read_each_other_on_shm_hold_what_their_connections_need() {
 #[test]
 fn a_limit_of_files_that_is_too_low_is_named_with_the_way_out() {
     let made = tempfile::tempdir().unwrap();
-    let text = Many { components: 60, chained: false }.configuration("shm", made.path());
+    let text = Many { components: 60, chained: false, cells: 0 }.configuration("shm", made.path());
     let home = Home::new().configured(&text);
     let daemon = home.spawn_by(&["prlimit", "--nofile=256:256"], &[]).finish();
     daemon.expect_code(1).expect_err("this process may have 256 files open, and has them");
@@ -76,7 +76,7 @@ fn components_stop_side_by_side() {
     // each.
     let made = tempfile::tempdir().unwrap();
     for chained in [false, true] {
-        let text = Many { components: 100, chained }.configuration("local", made.path());
+        let text = Many { components: 100, chained, cells: 0 }.configuration("local", made.path());
         let daemon = Home::new().configured(&text).start(&[]);
         daemon.process().signal("TERM");
         let (stopped, _) = daemon.finish_within(Duration::from_secs(10));

@@ -5,12 +5,12 @@ use genom_tests::{Footprint, Many};
 use genom_tests::{Home, path};
 
 /// More components than a daemon with 64 file descriptors can have.
-const ALL: Many = Many { components: 20, chained: false };
+const ALL: Many = Many { components: 20, chained: false, cells: 0 };
 
 #[test]
 fn one_library_under_many_names_is_read_and_compared_once_until_it_changes() {
     let made = tempfile::tempdir().unwrap();
-    let few = Many { components: 12, chained: false };
+    let few = Many { components: 12, chained: false, cells: 0 };
     let text = few.configuration("local", made.path());
     let daemon = Home::new().configured(&text).start(&["--log", "debug"]);
     let (library, description) = (made.path().join("many.so"), made.path().join("many.gen"));

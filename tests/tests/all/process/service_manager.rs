@@ -160,3 +160,28 @@ fn the_unit_file_starts_the_daemon_with_options_that_it_has() {
         assert!(text.lines().any(|one| one == line), "{line}");
     }
 }
+
+#[test]
+fn a_codel_that_holds_up_the_thread_of_all_components_silences_the_daemon_until_it_returns() {
+    let home = Home::new();
+    let manager = Manager::new(&home);
+    let blocks = component("blocks").library;
+    let file = home.path().join("go");
+    // Every 100 ms.
+    let arguments = ["--execution", "single", path(&blocks)];
+    let running = manager.starts(&home, 200_000, &arguments);
+    manager.hears("READY=1");
+    manager.hears("WATCHDOG=1");
+    let inputs = serde_json::json!({"file": path(&file)}).to_string();
+    let ask = "/components/blocks/services/hang_until";
+    let started = genom_tests::request(&home.socket(), "POST", ask, &inputs);
+    assert!(started.status < 300, "{started:?}");
+    running.error_line_where(|line| line.contains("the control thread of all components")).unwrap();
+    manager.forgets();
+    assert_eq!(manager.hears_within(Duration::from_secs(1)), None);
+    std::fs::write(&file, "").unwrap();
+    manager.hears("WATCHDOG=1");
+    running.signal("TERM");
+    manager.hears("STOPPING=1");
+    running.finish().expect_code(0);
+}

@@ -18,7 +18,7 @@ fn threads(process: u32) -> Vec<String> {
 /// A daemon with this many components in a chain, when values go through all of them.
 fn chained(components: usize, execution: &str) -> (Footprint, Vec<String>) {
     let made = tempfile::tempdir().unwrap();
-    let text = Many { components, chained: true }.configuration("local", made.path());
+    let text = Many { components, chained: true, cells: 0 }.configuration("local", made.path());
     let daemon = Home::new().configured(&text).start(&["--execution", execution]);
     daemon.ctl(&["wait-ready", "--deployed"]).expect_code(0);
     daemon.ctl(&["start", "--wait", "m0", "hear", "steps=3"]).expect_code(0);

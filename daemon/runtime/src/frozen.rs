@@ -1,0 +1,118 @@
+//! What an instance is between two passes of its tasks, and how another one goes on from there.
+
+use std::fmt;
+
+use genom_description::model::{Owner, PortIx, ServiceIx, StateIx};
+use genom_types::Record;
+
+use crate::api::Reply;
+use crate::body::Memory;
+use crate::engine::ActivityPhase;
+
+/// What an instance is between two passes of its tasks.
+///
+/// Requests that are being served are not in it: their senders are answered by the instance itself.
+#[derive(Debug)]
+pub struct Frozen {
+    /// The IDS; pointers of `native` members are valid in this process only.
+    pub ids: Option<Record>,
+    /// Services that were executed successfully, for `before` and `after` (genom3.md 7.6).
+    pub executed: Vec<ServiceIx>,
+    /// Permanent activities that have not ended, and activities of services; those of one task in
+    /// the order in which it runs their codels.
+    pub activities: Vec<FrozenActivity>,
+}
+
+/// An activity between two of its codels.
+#[derive(Clone, Debug)]
+pub struct FrozenActivity {
+    /// Its number.
+    pub id: u32,
+    /// Its service; a task for the permanent activity of one.
+    pub owner: Owner,
+    /// [`Init`](ActivityPhase::Init), [`Run`](ActivityPhase::Run) or [`Stop`](ActivityPhase::Stop).
+    pub phase: ActivityPhase,
+    /// Accepted, and waits for the end of those that it interrupts (genom3.md 7.6).
+    pub pending: bool,
+    /// Who asked it to stop, if anybody did.
+    pub stopped_by: Option<String>,
+    /// The states where it is; none before it starts.
+    pub tokens: Vec<FrozenToken>,
+    /// Its inputs, outputs and local variables; none of a permanent activity.
+    pub memory: Option<Memory>,
+}
+
+/// A state where an activity is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrozenToken {
+    /// The state.
+    pub state: StateIx,
+    /// What its codel waits for.
+    pub waits: Waiting,
+}
+
+/// What the codel of a state waits for (genom3.md 7.5, dialects.md A).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Waiting {
+    /// The next pass.
+    Ready,
+    /// The next tick, or an event in the component.
+    Paused,
+    /// An external event, or a stop request.
+    Asleep,
+}
+
+/// The last value of a port.
+pub struct FrozenPort {
+    /// The port.
+    pub port: PortIx,
+    /// The element of a multiple port.
+    pub element: Option<String>,
+    /// The value.
+    pub value: Record,
+}
+
+/// Where an instance is to go on.
+///
+/// Start codels run as at every start, since they open what only the process has: devices, memory of
+/// `native` members. After the first codel of each task nothing runs until the IDS, the ports and
+/// the activities are as they were. No codel validates the inputs again, and no resumed activity
+/// interrupts another one, since both was done when they were accepted.
+pub struct Resume {
+    /// Changes the IDS, from what start codels made of them.
+    pub ids: Option<Box<dyn FnOnce(&mut Record) + Send>>,
+    /// Last values of ports. Those of in ports are put back only after [`hold`](Self::hold), since a
+    /// new connection has no value before the first that is read.
+    pub ports: Vec<FrozenPort>,
+    /// Services that were executed successfully.
+    pub executed: Vec<ServiceIx>,
+    /// Permanent activities and those of services, as of [`Frozen::activities`]. `None`: permanent
+    /// ones stay where their start codels led them, and no others run.
+    pub activities: Option<Vec<Resumed>>,
+    /// Whether the tasks wait for [`Instance::go_on`](crate::Instance::go_on).
+    pub hold: bool,
+}
+
+impl fmt::Debug for Resume {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Resume")
+            .field("ids", &self.ids.is_some())
+            .field("activities", &self.activities)
+            .field("hold", &self.hold)
+            .finish_non_exhaustive()
+    }
+}
+
+/// An activity that is to go on.
+pub struct Resumed {
+    /// Where it was. Its number stays the same if it is free.
+    pub activity: FrozenActivity,
+    /// Hears that it was accepted, and how it ended; not for permanent ones.
+    pub reply: Option<Reply>,
+}
+
+impl fmt::Debug for Resumed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.activity.fmt(f)
+    }
+}

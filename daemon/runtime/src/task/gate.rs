@@ -1,0 +1,86 @@
+//! What a task uses during its passes, and what others use of it between two of them.
+
+use std::ops::{Deref, DerefMut};
+use std::sync::{Mutex, MutexGuard};
+
+use super::core::Core;
+use super::runner::TaskSide;
+use crate::exclusion::PiLock;
+use crate::lock::lock;
+
+/// The activities of a task, and its ends of the rings.
+pub(crate) struct Inside {
+    pub(crate) core: Core,
+    pub(crate) side: TaskSide,
+}
+
+impl Inside {
+    /// Takes in the runs that control has sent.
+    pub(crate) fn admit_sent(&mut self) {
+        while let Ok(run) = self.side.inbox.pop() {
+            self.core.admit(run);
+        }
+    }
+}
+
+/// Held by a task during each of its passes: whoever else holds it is between two of them.
+///
+/// Without contention it costs a few atomic operations. A task that waits lends its priority to the
+/// holder, which only copies memory.
+pub(crate) struct Gate {
+    turn: PiLock,
+    /// Locked only by who has the turn, so that nobody waits here.
+    inside: Mutex<Inside>,
+}
+
+/// The gate, held until this is dropped. Fields are dropped in this order.
+pub(crate) struct Held<'a> {
+    inside: MutexGuard<'a, Inside>,
+    _turn: Turn<'a>,
+}
+
+struct Turn<'a>(&'a PiLock);
+
+impl Drop for Turn<'_> {
+    fn drop(&mut self) {
+        self.0.unlock();
+    }
+}
+
+impl Gate {
+    pub(crate) fn new(inside: Inside) -> Self {
+        Self { turn: PiLock::default(), inside: Mutex::new(inside) }
+    }
+
+    /// Waits for the other holder.
+    #[inline]
+    pub(crate) fn lock(&self) -> Held<'_> {
+        self.turn.lock();
+        self.held()
+    }
+
+    /// `None` while the task makes a pass.
+    pub(crate) fn try_lock(&self) -> Option<Held<'_>> {
+        self.turn.try_lock().then(|| self.held())
+    }
+
+    #[inline]
+    fn held(&self) -> Held<'_> {
+        let _turn = Turn(&self.turn);
+        Held { inside: lock(&self.inside), _turn }
+    }
+}
+
+impl Deref for Held<'_> {
+    type Target = Inside;
+
+    fn deref(&self) -> &Inside {
+        &self.inside
+    }
+}
+
+impl DerefMut for Held<'_> {
+    fn deref_mut(&mut self) -> &mut Inside {
+        &mut self.inside
+    }
+}

@@ -1,0 +1,140 @@
+//! A fault in a cell: two others are beside it, one in the process of the daemon and one in a cell
+//! of its own, and a component shares the cell and reads a port of the daemon's.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use super::{FAST, Trial, exception, grown, told};
+use crate::faults::{Fault, Outcome, Seen};
+use crate::{Daemon, Footprint, Home, WATCHDOG, component, request};
+
+/// Name of the cell that is struck.
+const STRUCK: &str = "struck";
+/// The components that must miss no period.
+const OTHERS: [&str; 2] = ["neighbour", "beside"];
+
+impl Trial {
+    pub(super) fn in_a_cell(&mut self, fault: &Fault, times: usize) {
+        let daemon = self.with_cells(fault);
+        let wired = |daemon: &Daemon| is_wired(&daemon.home().socket(), fault);
+        until(|| wired(&daemon));
+        // Memory that the first end needs once, such as the names for its backtrace.
+        let warm = if fault.outcome.goes_on() { 0 } else { 1 };
+        let times = if fault.outcome.goes_on() { 1 } else { times };
+        let (mut held, mut missed) = (None, [0; 2]);
+        let mut back = Vec::new();
+        let mut seen = Seen { code: None, said: String::new() };
+        for round in 0..warm + times {
+            if round == warm {
+                held = Some(Footprint::of(daemon.process().id()));
+                missed = OTHERS.map(|name| daemon.missed(name));
+                back.clear();
+            }
+            let starts = cell(&daemon)["starts"].clone();
+            let begin = Instant::now();
+            seen = called(&daemon, fault);
+            if !fault.outcome.goes_on() {
+                until(|| cell(&daemon)["starts"] != starts && wired(&daemon));
+                back.push(begin.elapsed());
+            }
+        }
+        let after = OTHERS.map(|name| daemon.missed(name));
+        self.neighbours =
+            format!("{}; in another cell {}", after[0] - missed[0], after[1] - missed[1]);
+        self.memory = grown(
+            &held.expect("taken in the first round that counts"),
+            &Footprint::of(daemon.process().id()),
+        );
+        self.happened = match (seen.code, fault.outcome.goes_on()) {
+            (Some(0), true) => "goes on".to_owned(),
+            (_, true) => format!("ends with {}", exception(&seen.said)),
+            (_, false) => format!(
+                "its cell ends, {}; {}",
+                cell(&daemon)["last_end"].as_str().unwrap_or("?"),
+                exception(&seen.said)
+            ),
+        };
+        self.back = percentiles(&mut back);
+        daemon.ctl(&["call", "neighbour", "goto", "goal=0.01"]).expect_code(0);
+        daemon.ctl(&["unload", fault.component]).expect_code(0);
+        let (ended, home) = daemon.stop("TERM");
+        ended.expect_code(0);
+        let left = home.memory().files();
+        self.left = told(&left);
+        let said = ended.err.contains(fault.told) || seen.said.contains(fault.told);
+        let fits = match fault.outcome {
+            Outcome::GoesOn => self.happened == "goes on",
+            Outcome::Exception(name) => self.happened == format!("ends with {name}"),
+            Outcome::Stops(_) | Outcome::Ends(_) => {
+                self.happened.ends_with("::genom::gone") && back.len() == times
+            }
+        };
+        self.wrong = match (fits, said, left.is_empty()) {
+            (false, ..) => Some(format!("{}; it is to be: {}", self.happened, fault.outcome)),
+            (_, false, _) => Some(format!("nothing says `{}`", fault.told)),
+            (.., false) => Some(format!("left behind: {left:?}")),
+            _ => None,
+        };
+    }
+
+    fn with_cells(&self, fault: &Fault) -> Daemon {
+        let [demo, mission, faulty] =
+            ["demo", "mission", fault.component].map(|name| component(name).library);
+        let text = format!(
+            "backend = {:?}\n[cells]\nrestart_most = 1000000\nrestart_delay = 0.0\n\
+             [[component]]\nlibrary = {demo:?}\nname = \"neighbour\"\n{FAST}\
+             [[component]]\nlibrary = {demo:?}\nname = \"beside\"\ncell = \"beside\"\n{FAST}\
+             [[component]]\nlibrary = {faulty:?}\ncell = {STRUCK:?}\n\
+             [[component]]\nlibrary = {mission:?}\ncell = {STRUCK:?}\n\
+             [[connection]]\nin = \"mission/position\"\nout = \"neighbour/position\"\n",
+            self.backend
+        );
+        Home::new().configured(&text).start(&[])
+    }
+}
+
+/// The struck cell as the daemon tells it.
+fn cell(daemon: &Daemon) -> Value {
+    let reply = request(&daemon.home().socket(), "GET", "/cells", "");
+    let mut all = reply.body["cells"].as_array().expect("cells").iter();
+    all.find(|cell| cell["name"] == STRUCK).expect("the cell").clone()
+}
+
+/// Whether all that belongs into the struck cell runs, and is connected.
+fn is_wired(socket: &Path, fault: &Fault) -> bool {
+    let port = request(socket, "GET", "/components/mission/ports/position", "").body;
+    let faulty = format!("/components/{}", fault.component);
+    port["connected"] == "neighbour/position" && request(socket, "GET", &faulty, "").status == 200
+}
+
+/// Calls the service as `genomctl call` does, without the time to start a command.
+fn called(daemon: &Daemon, fault: &Fault) -> Seen {
+    let service = format!("/components/{}/services/{}?wait=true", fault.component, fault.service);
+    let reply = request(&daemon.home().socket(), "POST", &service, "{}");
+    let exception = reply.body["exception"].as_str();
+    let said = exception.map(|name| format!("ended with {name} ")).unwrap_or_default();
+    Seen {
+        code: Some(i32::from(reply.status != 200 || exception.is_some())),
+        said: said + &reply.body.to_string(),
+    }
+}
+
+fn until(mut so: impl FnMut() -> bool) {
+    let end = Instant::now() + WATCHDOG;
+    while !so() {
+        assert!(Instant::now() < end, "the cell does not come back");
+        std::thread::park_timeout(Duration::from_millis(1));
+    }
+}
+
+fn percentiles(times: &mut [Duration]) -> String {
+    times.sort_unstable();
+    let at = |part: usize| times[(times.len() - 1) * part / 100].as_millis();
+    match times.len() {
+        0 => "it was not gone".to_owned(),
+        1 => format!("back after {} ms", at(50)),
+        _ => format!("back after p50 {} ms, p99 {} ms", at(50), at(99)),
+    }
+}
