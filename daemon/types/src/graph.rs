@@ -58,6 +58,16 @@ pub(crate) enum Shape {
     Native,
 }
 
+impl Shape {
+    /// Whether JSON has `null` for a value of it.
+    pub(crate) fn reads_as_null(&self) -> bool {
+        matches!(
+            self,
+            Shape::Scalar(Scalar::Float | Scalar::Double) | Shape::Optional { .. } | Shape::Native
+        )
+    }
+}
+
 /// A member and its offset.
 #[derive(Clone, Debug)]
 pub(crate) struct Part {

@@ -44,6 +44,7 @@
 //! touches C memory: `memory`, `record`, `room`, `foreign`, `path` and the copying parts of `cdr`.
 
 pub mod cdr;
+pub mod convert;
 mod data_type;
 mod digest;
 mod equality;
@@ -62,9 +63,10 @@ mod room;
 pub mod table;
 
 pub use cdr::{CdrError, CdrProblem};
+pub use convert::Conversion;
 pub use data_type::DataType;
 pub use digest::{Digester, digest_of};
-pub use json::{JsonError, JsonProblem};
+pub use json::{Exact, JsonError, JsonProblem, Places};
 pub use kind::{Kind, Label, Member, ScopedName, TypeId, UnionMember};
 pub use layout::{Layout, LayoutError, MAX_NESTING, MAX_SIZE};
 pub use path::{CompiledPath, PathError, PathStep};

@@ -200,6 +200,12 @@ impl Record {
         Ok(())
     }
 
+    /// The value as JSON that says all of it, but for `native` values: for files.
+    #[must_use]
+    pub fn to_exact_json(&self) -> json::Exact {
+        json::exact::write(self.view())
+    }
+
     /// Path of the first datum that none of `given` sets, as `goal.x[2]`; `None` when all are set.
     /// `given` are the JSON values that were merged into this value, the last merged first.
     /// Optionals may be left out.

@@ -16,11 +16,13 @@
 //! | native | `null` | `null`: unchanged |
 
 mod error;
+pub(crate) mod exact;
 mod missing;
 mod read;
 mod write;
 
 pub use error::{JsonError, JsonProblem};
+pub use exact::{Exact, Places};
 pub(crate) use missing::missing;
-pub(crate) use read::merge;
+pub(crate) use read::{merge, push_index, push_name, single, whole};
 pub(crate) use write::write;

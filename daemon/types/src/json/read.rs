@@ -245,14 +245,14 @@ fn rank(members: &[Part], name: &str, ty: &str) -> Result<usize, JsonProblem> {
     })
 }
 
-pub(super) fn push_name(path: &mut String, name: &str) {
+pub(crate) fn push_name(path: &mut String, name: &str) {
     if !path.is_empty() {
         path.push('.');
     }
     path.push_str(name);
 }
 
-pub(super) fn push_index(path: &mut String, index: usize) {
+pub(crate) fn push_index(path: &mut String, index: usize) {
     path.push_str(&format!("[{index}]"));
 }
 
@@ -293,14 +293,14 @@ fn integer(value: &mut Edit<'_>, scalar: Scalar, json: &Value) -> Filled {
 }
 
 /// The code of a string of one character, as C's signed char.
-fn single(text: &str) -> Option<i8> {
+pub(crate) fn single(text: &str) -> Option<i8> {
     let mut chars = text.chars();
     let code = u8::try_from(chars.next()?).ok()?;
     chars.next().is_none().then_some(code.cast_signed())
 }
 
 /// An integer; `2.0` counts as one too, since some encoders write integers so.
-fn whole(number: &Number) -> Option<i128> {
+pub(crate) fn whole(number: &Number) -> Option<i128> {
     if let Some(number) = number.as_i64() {
         return Some(number.into());
     }

@@ -13,12 +13,7 @@ pub(crate) fn write(value: View<'_>) -> Value {
 
 fn at(value: View<'_>, depth: usize) -> Value {
     match &value.node().shape {
-        Shape::Scalar(Scalar::Boolean) => Value::Bool(value.integer() != 0),
-        // Truncation is intended: the code of the character, as a byte.
-        Shape::Scalar(Scalar::Char) => Value::String(char::from(value.integer() as u8).to_string()),
-        Shape::Scalar(Scalar::Float) => float(value.real() as f32),
-        Shape::Scalar(Scalar::Double) => double(value.real()),
-        Shape::Scalar(_) => integer(value.integer()),
+        Shape::Scalar(_) => scalar(value),
         Shape::Enum { names, .. } => {
             let name = usize::try_from(value.integer()).ok().and_then(|rank| names.get(rank));
             Value::String(name.map_or("<invalid>", String::as_str).to_owned())
@@ -44,6 +39,18 @@ fn at(value: View<'_>, depth: usize) -> Value {
             Value::Object(whole)
         }
         Shape::Native => Value::Null,
+    }
+}
+
+/// A scalar, or the number of an enumerator.
+pub(super) fn scalar(value: View<'_>) -> Value {
+    match value.node().shape {
+        Shape::Scalar(Scalar::Boolean) => Value::Bool(value.integer() != 0),
+        // Truncation is intended: the code of the character, as a byte.
+        Shape::Scalar(Scalar::Char) => Value::String(char::from(value.integer() as u8).to_string()),
+        Shape::Scalar(Scalar::Float) => float(value.real() as f32),
+        Shape::Scalar(Scalar::Double) => double(value.real()),
+        _ => integer(value.integer()),
     }
 }
 
