@@ -1,11 +1,13 @@
 //! One cell: its process, from start to end and to the next start.
 
+mod again;
 mod hearing;
 mod supervised;
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use genom_configuration::Deployment;
 use genom_protocol::routes;
 use genom_protocol::{CellState, Change, ReadyParameters};
 use rustix::process::Signal;
@@ -17,8 +19,8 @@ use crate::crashes::{Known, learn};
 use crate::end::End;
 use crate::journal;
 use crate::place::Place;
-use crate::policy::Restarts;
-use crate::process::{Process, kill};
+use crate::policy::{Limit, Restarts};
+use crate::process::Process;
 use crate::setup::{Setup, Told};
 
 /// How long a request waits for a cell whose process is starting.
@@ -55,6 +57,10 @@ struct State {
     components: Vec<String>,
     /// Whether somebody asked for the end of its process.
     asked: bool,
+    /// What its last process held: more than the next one, if something is not to come back.
+    held: Deployment,
+    /// Broken rules that it told within this second.
+    rules_told: Limit,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -200,22 +206,6 @@ impl Cell {
         self.down()
     }
 
-    /// Ends its process, if it has one, as a fault would, and waits until the next one answers.
-    ///
-    /// # Errors
-    /// It does not start again.
-    pub async fn restart(&self) -> Result<(), Down> {
-        let pid = self.with(|state| state.pid);
-        if let Some(pid) = pid {
-            let mut phase = self.phase.subscribe();
-            self.with(|state| state.asked = true);
-            let _ = kill(pid);
-            let _ = phase.wait_for(|phase| *phase != CellState::Running).await;
-        }
-        self.start_again();
-        self.begun().await
-    }
-
     /// Starts its process again, when it has none.
     pub(crate) fn start_again(&self) {
         self.phase.send_if_modified(|phase| {
@@ -261,7 +251,7 @@ impl Cell {
                 Some(process) => self.run(&process, true).await,
                 None => self.start_and_run().await,
             };
-            self.report(&end);
+            let asked = self.report(&end);
             self.with(|state| {
                 state.pid = None;
                 state.last_end = Some(self.setup.explain(&self.name, &end));
@@ -270,7 +260,7 @@ impl Cell {
             if self.is_stopping() {
                 break;
             }
-            let delay = self.after(&end, &mut restarts);
+            let delay = self.after(&end, asked, &mut restarts);
             let told_otherwise = order.changed();
             match delay {
                 Some(delay) => {
@@ -291,16 +281,21 @@ impl Cell {
     }
 
     /// What follows an end: how long to wait before the next start, if there is to be one.
-    fn after(&self, end: &End, restarts: &mut Restarts) -> Option<Duration> {
+    /// After one that somebody asked for, all comes back.
+    fn after(&self, end: &End, asked: bool, restarts: &mut Restarts) -> Option<Duration> {
         let held = journal::read(&self.place.journal()).unwrap_or_else(|error| {
             tracing::error!("cell {}: {error}; it starts with nothing", self.name);
-            genom_configuration::Deployment::default()
+            Deployment::default()
         });
         if end.is_failure() {
             self.setup.failed(&held);
         }
         let lost: Vec<String> = held.component.iter().map(|one| one.instance()).collect();
-        let kept = journal::kept(held, end.is_failure());
+        let kept = match asked {
+            true => held.clone(),
+            false => journal::kept(held.clone(), end.is_failure()),
+        };
+        self.with(|state| state.held = held);
         let names: Vec<String> = kept.component.iter().map(|one| one.instance()).collect();
         if let Err(error) = journal::write(&self.place.journal(), &kept) {
             tracing::error!("cell {}: its journal cannot be written: {error}", self.name);

@@ -34,6 +34,38 @@ impl Restarts {
     }
 }
 
+/// At most so many things in a second.
+#[derive(Debug, Default)]
+pub(crate) struct Limit {
+    /// When this second began, and how many there were in it.
+    second: Option<(Instant, u32)>,
+}
+
+impl Limit {
+    /// Counts one more.
+    ///
+    /// # Errors
+    /// It is beyond the limit.
+    pub(crate) fn allows(&mut self, most: u32, now: Instant) -> Result<(), First> {
+        match &mut self.second {
+            Some((began, count)) if now.saturating_duration_since(*began) < SECOND => {
+                *count = count.saturating_add(1);
+                if *count <= most { Ok(()) } else { Err(First(*count == most + 1)) }
+            }
+            other => {
+                *other = Some((now, 1));
+                Ok(())
+            }
+        }
+    }
+}
+
+const SECOND: Duration = Duration::from_secs(1);
+
+/// Beyond the limit; whether it is the first in this second.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct First(pub(crate) bool);
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -55,6 +87,15 @@ mod tests {
         let waits: Vec<_> = (0..4).map(|_| restarts.next(&settings(), now)).collect();
         let ms = |ms| Some(Duration::from_millis(ms));
         assert_eq!(waits, [ms(20), ms(80), ms(320), ms(1000)]);
+    }
+
+    #[test]
+    fn a_second_has_so_many_and_the_first_beyond_is_told() {
+        let (mut limit, now) = (Limit::default(), Instant::now());
+        let told: Vec<_> = (0..4).map(|_| limit.allows(2, now)).collect();
+        assert_eq!(told, [Ok(()), Ok(()), Err(First(true)), Err(First(false))]);
+        assert_eq!(limit.allows(2, now + Duration::from_millis(999)), Err(First(false)));
+        assert_eq!(limit.allows(2, now + SECOND), Ok(()));
     }
 
     #[test]

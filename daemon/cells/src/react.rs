@@ -1,7 +1,8 @@
 //! What is done when components fail (`on_failure`), as soon as the end of their cell is seen, and
 //! before it is started again; and when they break a rule (`supervision`).
 
-use std::sync::{Arc, Weak};
+use std::collections::HashSet;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use genom_configuration::{Act, CallEntry, Deed, Reaction};
 use genom_protocol::{CallReply, Change, Inputs, NoReaction, routes};
@@ -74,12 +75,23 @@ pub async fn react(
     supervisor: Arc<Supervisor>,
     mut failures: UnboundedReceiver<Failure>,
 ) {
+    let under_way = UnderWay::default();
     while let Some(failure) = failures.recv().await {
         for reaction in failure.reactions {
             let Some(cells) = cells.upgrade() else { return };
             let (supervisor, component) = (Arc::clone(&supervisor), failure.component.clone());
+            // A rule that is broken again and again does not pile up calls of a slow service.
+            let call = (component.clone(), reaction.to_string());
+            if failure.cause == Cause::BrokenRule && !under_way.begin(&call) {
+                tracing::debug!("{}: {} is still under way", call.0, call.1);
+                continue;
+            }
+            let under_way = under_way.clone();
             tokio::spawn(async move {
                 let done = perform(&cells, &supervisor, &reaction).await;
+                if failure.cause == Cause::BrokenRule {
+                    under_way.end(&call);
+                }
                 let seconds = failure.seen.elapsed().as_secs_f64();
                 let key = failure.cause.key();
                 match &done {
@@ -101,6 +113,25 @@ pub async fn react(
                 supervisor.bus.tell(&told);
             });
         }
+    }
+}
+
+/// What is being done for rules that were broken: components and reactions.
+#[derive(Clone, Default)]
+struct UnderWay(Arc<Mutex<HashSet<(String, String)>>>);
+
+impl UnderWay {
+    fn with<T>(&self, work: impl FnOnce(&mut HashSet<(String, String)>) -> T) -> T {
+        work(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Whether it was not under way.
+    fn begin(&self, call: &(String, String)) -> bool {
+        self.with(|all| all.insert(call.clone()))
+    }
+
+    fn end(&self, call: &(String, String)) {
+        self.with(|all| all.remove(call));
     }
 }
 

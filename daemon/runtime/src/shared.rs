@@ -18,6 +18,7 @@ use crate::plan::Plan;
 use crate::rules::{Fact, Rules, Seen, Supervised};
 use crate::task::call::Call;
 use crate::task::hurry::Hurry;
+use crate::task::rhythm::RESPONSE;
 use crate::task::timing::Timing;
 
 /// Shared by the threads of one instance.
@@ -38,6 +39,8 @@ pub(crate) struct Shared {
     pub(crate) call: Option<Arc<Call>>,
     /// Whether there is something for control to process.
     pub(crate) attention: AtomicBool,
+    /// Whether a shutdown has begun.
+    pub(crate) stopping: AtomicBool,
     /// Tasks make no pass after their first one while this is set.
     pub(crate) held: AtomicBool,
     /// Notices dropped because the ring was full.
@@ -103,6 +106,7 @@ impl Shared {
             control: OnceLock::new(),
             call,
             attention: AtomicBool::new(false),
+            stopping: AtomicBool::new(false),
             held: AtomicBool::new(false),
             lost: Counter::default(),
             plan: Arc::clone(plan),
@@ -112,6 +116,12 @@ impl Shared {
     /// The context that excludes everything; one thread at a time uses it.
     pub(crate) fn outside_context(&self) -> usize {
         self.plan.contexts()
+    }
+
+    /// When control work, or a pass of an aperiodic task, is to be done that is asked for at this
+    /// date. An instance that stops precedes all others: it takes little, and then leaves them more.
+    pub(crate) fn respond_by(&self, now: u64) -> u64 {
+        if self.stopping.load(Ordering::Acquire) { now } else { now + RESPONSE }
     }
 
     /// Records a call of a codel that began at `since` in this context, and its duration. Tells the

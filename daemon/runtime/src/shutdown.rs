@@ -1,6 +1,7 @@
 //! Shutdown (genom3.md 7.7).
 
 use std::sync::PoisonError;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use genom_description::model::{Ix as _, TaskIx};
@@ -182,6 +183,7 @@ impl Engine {
                 return false;
             }
             control.phase = Phase::Stopping;
+            self.shared.stopping.store(true, Ordering::Release);
             control.step = Some(Step::Activities);
             control.ended = ended;
             control.ready.clear();

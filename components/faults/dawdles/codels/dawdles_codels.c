@@ -1,6 +1,8 @@
 /*
  * Codels of dawdles: they keep a processor busy, as code that computes does.
  */
+#include <pthread.h>
+#include <signal.h>
 #include <stdint.h>
 #include <time.h>
 
@@ -18,6 +20,7 @@ GENOM_EVENT(dawdles_pause_start, "::dawdles::pause::start");
 genom_event dawdles_work(uint32_t ms, const genom_context self);
 genom_event dawdles_rest(const genom_context self);
 genom_event dawdles_compute(const genom_context self);
+genom_event dawdles_deaf(const genom_context self);
 genom_event dawdles_idle(const genom_context self);
 genom_event dawdles_wait(const genom_context self);
 genom_event dawdles_calibrate(const genom_context self);
@@ -57,6 +60,16 @@ dawdles_compute(const genom_context self)
   (void)self;
   for (;;) ++steps;
   return dawdles_ether;
+}
+
+genom_event
+dawdles_deaf(const genom_context self)
+{
+  sigset_t all;
+
+  sigfillset(&all);
+  pthread_sigmask(SIG_BLOCK, &all, NULL);
+  return dawdles_compute(self);
 }
 
 genom_event

@@ -47,18 +47,18 @@ impl Cell {
     }
 
     /// Begins the report of an end, unless somebody asked for it; it is written while the cell
-    /// starts again.
-    pub(super) fn report(&self, end: &End) {
+    /// starts again. Returns whether somebody did.
+    pub(super) fn report(&self, end: &End) -> bool {
         let (asked, pid) = self.with(|state| (std::mem::take(&mut state.asked), state.pid));
         let known = self.with_known(std::mem::take);
         let in_order = matches!(end, End::Exited(0) | End::NotStarted(_));
         if asked || in_order || self.is_stopping() {
-            return;
+            return asked;
         }
         let held = journal::read(&self.place.journal()).unwrap_or_default();
         let (reports, cell) = (&self.setup.reports, (self.name.as_str(), pid));
         let seen = reports.look(cell, end, &self.place.note(), &held.component, &known);
-        let (Some(seen), setup) = (seen, std::sync::Arc::clone(&self.setup)) else { return };
+        let (Some(seen), setup) = (seen, std::sync::Arc::clone(&self.setup)) else { return false };
         let cell = self.name.clone();
         tokio::task::spawn_blocking(move || match setup.reports.write(seen) {
             Ok(Crash { name: report, end, codel, .. }) => {
@@ -67,6 +67,7 @@ impl Cell {
             }
             Err(error) => tracing::error!("cell {cell}: no report of its end: {error}"),
         });
+        false
     }
 
     /// The same of a process that crashed while no daemon was there.

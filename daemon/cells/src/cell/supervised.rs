@@ -8,7 +8,11 @@ use serde_json::Value;
 
 use super::Cell;
 use crate::journal;
+use crate::policy::First;
 use crate::setup::{Cause, Failure, Told};
+
+/// Broken rules of one cell for which something is done of other components, in a second.
+const MOST_A_SECOND: u32 = 64;
 
 impl Cell {
     /// Has done what the broken rule asks for, but for what concerns components in this cell: it
@@ -20,6 +24,19 @@ impl Cell {
         else {
             return;
         };
+        // Whoever writes into this stream cannot have others called without end.
+        match self.with(|state| state.rules_told.allows(MOST_A_SECOND, seen)) {
+            Ok(()) => {}
+            Err(First(false)) => return,
+            Err(First(true)) => {
+                let name = &self.name;
+                tracing::error!(
+                    "cell {name} breaks more than {MOST_A_SECOND} rules of supervision in a second: \
+                     nothing is done for further ones"
+                );
+                return;
+            }
+        }
         let index = usize::try_from(index).unwrap_or(usize::MAX);
         let written = journal::read(&self.place.journal()).unwrap_or_default();
         let rule = match rule_of(&written, component, index) {

@@ -14,7 +14,7 @@ use super::member::{Member, Turn};
 use crate::clock::monotonic;
 use crate::shared::Shared;
 use crate::task::call::Call;
-use crate::task::rhythm::{Next, RESPONSE, Rhythm};
+use crate::task::rhythm::{Next, Rhythm};
 use crate::task::runner::Runner;
 
 /// Something to do for an instance. The order of fields matters: of two with one deadline the
@@ -51,8 +51,8 @@ struct Seat {
 struct Seated {
     runner: Runner,
     rhythm: Rhythm,
-    /// A pass is in `ready`.
-    ready: bool,
+    /// The deadline of its pass in `ready`; one with another deadline was replaced.
+    ready: Option<u64>,
     /// The tick in `dates` that it waits for.
     tick: Option<u64>,
 }
@@ -115,7 +115,7 @@ impl Agenda {
                 let rhythm = Rhythm::new(me, now);
                 let date = rhythm.deadline(now);
                 let what = What::Task(seat.tasks.len());
-                seat.tasks.push(Seated { runner, rhythm, ready: true, tick: None });
+                seat.tasks.push(Seated { runner, rhythm, ready: Some(date), tick: None });
                 self.make_room();
                 self.ready.push(Reverse(Due { date, seat: number, what }));
             }
@@ -147,15 +147,22 @@ impl Agenda {
             for (rank, task) in seat.tasks.iter_mut().enumerate() {
                 let me = &seat.shared.tasks[task.runner.task()];
                 let date = match task.rhythm {
-                    Rhythm::Periodic { .. } if task.tick.is_some() && me.hurry.take() => now,
-                    Rhythm::Aperiodic { .. } if !task.ready && me.is_runnable() => now + RESPONSE,
+                    // It waits for its tick, or its tick for others.
+                    Rhythm::Periodic { .. }
+                        if task.ready.is_none_or(|date| date > now) && me.hurry.take() =>
+                    {
+                        now
+                    }
+                    Rhythm::Aperiodic { .. } if task.ready.is_none() && me.is_runnable() => {
+                        seat.shared.respond_by(now)
+                    }
                     _ => continue,
                 };
-                (task.tick, task.ready) = (None, true);
+                (task.tick, task.ready) = (None, Some(date));
                 self.ready.push(Reverse(Due { date, seat: seat.number, what: What::Task(rank) }));
             }
             if !std::mem::replace(&mut seat.ready, true) {
-                let (date, seat) = (now + RESPONSE, seat.number);
+                let (date, seat) = (seat.shared.respond_by(now), seat.number);
                 self.ready.push(Reverse(Due { date, seat, what: What::Control }));
             }
         }
@@ -174,8 +181,8 @@ impl Agenda {
                     let task = &mut seat.tasks[rank];
                     // Otherwise it was hurried meanwhile.
                     if task.tick == Some(due.date) {
-                        (task.tick, task.ready) = (None, true);
                         let date = task.rhythm.deadline(due.date);
+                        (task.tick, task.ready) = (None, Some(date));
                         self.ready.push(Reverse(Due { date, ..due }));
                     }
                 }
@@ -191,7 +198,8 @@ impl Agenda {
     fn control_is_due(&mut self, number: u64, now: u64) {
         let Some(at) = self.seat(number) else { return };
         if !std::mem::replace(&mut self.seats[at].ready, true) {
-            let due = Due { date: now + RESPONSE, seat: number, what: What::Control };
+            let date = self.seats[at].shared.respond_by(now);
+            let due = Due { date, seat: number, what: What::Control };
             self.ready.push(Reverse(due));
         }
     }
@@ -208,7 +216,11 @@ impl Agenda {
         let seat = &mut self.seats[at];
         let task = &mut seat.tasks[rank];
         let me = &seat.shared.tasks[task.runner.task()];
-        task.ready = false;
+        if task.ready != Some(due.date) {
+            // It was hurried, and is done already or comes next.
+            return;
+        }
+        task.ready = None;
         if me.quits() {
             return;
         }
@@ -220,8 +232,7 @@ impl Agenda {
             Next::At(_) if me.hurry.take() => (task.rhythm.deadline(monotonic()), true),
             Next::At(date) => (date, false),
         };
-        task.ready = ready;
-        task.tick = (!ready).then_some(date);
+        (task.ready, task.tick) = if ready { (Some(date), None) } else { (None, Some(date)) };
         let heap = if ready { &mut self.ready } else { &mut self.dates };
         heap.push(Reverse(Due { date, ..due }));
     }

@@ -225,3 +225,40 @@ fn ticks_on_a_shared_thread_allocate_nothing() {
     assert_eq!(counted.recv_timeout(LONG).unwrap(), 0);
     instances.iter().for_each(|instance| instance.shutdown(LONG).unwrap());
 }
+
+#[test]
+fn on_an_overloaded_thread_instances_stop_before_others_make_many_passes() {
+    const EACH: u64 = 10;
+    let (executor, passes) = (shared(), Arc::new(AtomicU64::new(0)));
+    let counted = Arc::clone(&passes);
+    // Twice as much as there is time for: a tick is always late.
+    let busy = codel(move || {
+        counted.fetch_add(1, Ordering::SeqCst);
+        let end = Instant::now() + Duration::from_millis(2);
+        while Instant::now() < end {}
+        "pause::start"
+    });
+    let busy = Closures::new(
+        "component test { task t { period 1 ms; codel<start> busy() yield pause::start; }; };",
+        &[("busy", busy)],
+    );
+    let quiet = || {
+        Closures::new(
+            "component test {
+               task t { period 500 ms; codel<start> idle() yield pause::start; };
+             };",
+            &[("idle", codel(|| "pause::start"))],
+        )
+    };
+    let busy = start_on(&executor, "busy", &busy);
+    let names: Vec<String> = (0..EACH).map(|number| format!("quiet{number}")).collect();
+    let all: Vec<_> = names.iter().map(|name| start_on(&executor, name, &quiet())).collect();
+    let before = passes.load(Ordering::SeqCst);
+    for instance in all {
+        instance.shutdown(LONG).unwrap();
+    }
+    // Each stop takes a few turns of control, and none of them waits for more than one pass.
+    let each = (passes.load(Ordering::SeqCst) - before) / EACH;
+    assert!(each <= 5, "{each} passes for each");
+    busy.shutdown(LONG).unwrap();
+}

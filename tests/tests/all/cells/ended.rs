@@ -67,6 +67,13 @@ fn the_restart_policy_of_a_component_says_whether_it_comes_back() {
         running.filter(|one| one["state"] == "running").count() == 2
     });
     assert_eq!(cell(&daemon, "never")["state"], "failed");
+    // Somebody who asks for it gets it back, from a cell that has failed and from one that runs.
+    for starts in [2, 3] {
+        daemon.ctl(&["cells", "--restart", "never"]).expect_code(0);
+        assert_eq!(cell(&daemon, "never")["starts"], starts);
+        assert_eq!(cell(&daemon, "never")["components"], json!(["never"]));
+        daemon.ctl(&["info", "never"]).expect_code(0);
+    }
 }
 
 #[test]

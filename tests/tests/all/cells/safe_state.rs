@@ -95,6 +95,24 @@ fn what_cannot_be_done_is_told_as_an_error_with_the_way_out() {
 }
 
 #[test]
+fn a_component_that_is_loaded_by_hand_may_have_a_safe_state_as_well() {
+    let daemon = Daemon::demo("local");
+    let library = component("crashes").library;
+    let safe =
+        ["--on-failure", "call demo/set_speed velocity=0.5", "--on-failure", "fire demo/emergency"];
+    let arm = ["load", path(&library), "--name", "arm", "--isolated", "--restart", "never"];
+    daemon.ctl(&[&arm[..], &["--on-failure", "stop demo"]].concat()).expect_code(2);
+    daemon.ctl(&[&arm[..], &safe].concat()).expect_code(0);
+    let mut events = daemon.events();
+    signal(&daemon, "arm", "KILL");
+    for _ in 0..2 {
+        let told = events.wait_for(|e| e["event"] == "failure_reaction");
+        assert_eq!(told["error"], Value::Null);
+    }
+    assert_eq!(speed(&daemon), json!(0.5));
+}
+
+#[test]
 fn what_could_never_be_done_is_refused_before_anything_runs() {
     for (of_demo, on_failure, why) in [
         ("", "call = \"demo/set_spede\"", "demo has no service `set_spede`; did you mean"),

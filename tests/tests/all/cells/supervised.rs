@@ -230,3 +230,36 @@ fn components_that_keep_their_rules_are_not_told_of() {
     );
     assert_eq!(cell(&daemon, "base")["starts"], 1);
 }
+
+#[test]
+fn a_codel_that_takes_no_signal_does_not_keep_its_cell_either() {
+    let rules = rule("codel = \"dawdles_deaf\"\nlongest_ms = 20\nreaction = \"restart\"");
+    let config = supervised("cell = \"arm\"", &rules) + "[cells]\nrestart_delay = 0.0\n";
+    let daemon = Home::new().configured(&config).start(&[]);
+    let mut events = daemon.events();
+    daemon.ctl(&["start", "dawdles", "deaf"]).expect_code(0);
+    let ended = events.wait_for(|e| e["event"] == "cell_ended");
+    assert!(ended["why"].as_str().unwrap().contains("codel dawdles_deaf of deaf has not returned"));
+    until("it is back", || cell(&daemon, "arm")["state"] == "running");
+}
+
+#[test]
+fn a_cell_whose_daemon_is_gone_ends_an_endless_codel_itself_and_the_next_daemon_starts_it() {
+    let rules = rule("stuck = true\nreaction = \"restart\"");
+    let config = supervised("cell = \"arm\"", &rules);
+    let home = Home::new().configured(&config);
+    let daemon = home.start(&["--set", "stuck_after=1"]);
+    let pid = cell(&daemon, "arm")["pid"].as_u64().unwrap();
+    daemon.ctl(&["start", "dawdles", "compute"]).expect_code(0);
+    let home = daemon.abandon();
+    let gone = || {
+        let status = std::fs::read_to_string(format!("/proc/{pid}/status"));
+        status.is_ok_and(|status| status.contains("State:\tZ"))
+            || !std::path::Path::new(&format!("/proc/{pid}")).exists()
+    };
+    until("the process has ended", gone);
+    let daemon = home.start(&[]);
+    let back = cell(&daemon, "arm");
+    assert!(back["state"] == "running" && back["pid"] != pid, "{back}");
+    daemon.ctl(&["call", "dawdles", "get_pace"]).expect_code(0);
+}
