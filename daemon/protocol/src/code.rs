@@ -96,6 +96,8 @@ pub enum Code {
     OutPort,
     /// A sealed message arrived a second time.
     Replayed,
+    /// The library of the component is just being exchanged.
+    Reloading,
     /// The token lacks the required right.
     RightMissing,
     /// The session with the daemon has expired: start a new one.

@@ -39,6 +39,8 @@ pub enum Change {
     ComponentLoaded { component: String, backend: String },
     /// A component was unloaded.
     ComponentUnloaded { component: String },
+    /// The library of a running component was exchanged.
+    ComponentReloaded { component: String, library: String },
     /// A component did not stop in time: its name is free, but its threads still run.
     ComponentLeft { component: String, why: String },
     /// A codel has run for so long that it counts as stuck.

@@ -54,6 +54,7 @@ mod port_type;
 mod ports;
 mod quality;
 mod refusal;
+mod reload;
 pub mod replay;
 mod right;
 pub mod routes;
@@ -107,6 +108,7 @@ pub use ports::{
 };
 pub use quality::{PortQos, QosEntry};
 pub use refusal::{Reason, Refusal};
+pub use reload::{ComponentReload, ReloadRequest};
 pub use replay::Replayed;
 pub use right::Right;
 pub use routes::STANDARD_SERVICES;

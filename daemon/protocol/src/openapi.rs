@@ -5,11 +5,11 @@ use utoipa::OpenApi;
 
 use crate::{
     Aborted, About, Activities, AllAborted, Answers, Applied, CellEnds, Cells, Change, Clock,
-    Components, Connection, ConnectionRequest, Connections, CrashReport, Crashes, Daemons,
-    DeploymentRequest, Description, Disconnected, Dumped, Findings, Fired, Inputs, LoadRequest,
-    Logs, Middlewares, MoveRequest, Moved, PortTraffic, PortType, Ports, Published, Ready,
-    RecordingEnds, RecordingRequest, Refusal, Reloaded, Replayed, Started, Statistics, StepRequest,
-    Stopping, StreamEnd, Unloaded, frames,
+    ComponentReload, Components, Connection, ConnectionRequest, Connections, CrashReport, Crashes,
+    Daemons, DeploymentRequest, Description, Disconnected, Dumped, Findings, Fired, Inputs,
+    LoadRequest, Logs, Middlewares, MoveRequest, Moved, PortTraffic, PortType, Ports, Published,
+    Ready, RecordingEnds, RecordingRequest, Refusal, ReloadRequest, Reloaded, Replayed, Started,
+    Statistics, StepRequest, Stopping, StreamEnd, Unloaded, frames,
 };
 
 /// Lists all types that cross the control plane, including those of streams and recordings, to
@@ -26,6 +26,7 @@ use crate::{
     Cells,
     Change,
     Clock,
+    ComponentReload,
     Components,
     Connection,
     ConnectionRequest,
@@ -53,6 +54,7 @@ use crate::{
     RecordingEnds,
     RecordingRequest,
     Refusal,
+    ReloadRequest,
     Reloaded,
     Replayed,
     Started,

@@ -17,12 +17,12 @@ use serde_json::Value;
 use crate::{
     Aborted, About, Activities, Activity, AllAborted, Answers, Applied, AskParameters,
     CallParameters, CallReply, Cell, CellEnds, Cells, Change, ChangeParameters, Clock, Component,
-    Components, Connection, ConnectionRequest, Connections, CrashReport, Crashes, Daemons,
-    DeploymentRequest, Description, Disconnected, Dumped, Findings, Fired, Inputs, LoadRequest,
-    LogEntry, LogParameters, Logs, LookParameters, MiddlewareParameters, Middlewares, MoveRequest,
-    Moved, Port, PortParameters, PortTraffic, PortType, Ports, Published, Ready, ReadyParameters,
-    RecordingEnds, RecordingRequest, Reloaded, Replayed, Right, Service, Statistics, StepRequest,
-    Stopping, StreamParameters, Unloaded, ValueParameters,
+    ComponentReload, Components, Connection, ConnectionRequest, Connections, CrashReport, Crashes,
+    Daemons, DeploymentRequest, Description, Disconnected, Dumped, Findings, Fired, Inputs,
+    LoadRequest, LogEntry, LogParameters, Logs, LookParameters, MiddlewareParameters, Middlewares,
+    MoveRequest, Moved, Port, PortParameters, PortTraffic, PortType, Ports, Published, Ready,
+    ReadyParameters, RecordingEnds, RecordingRequest, ReloadRequest, Reloaded, Replayed, Right,
+    Service, Statistics, StepRequest, Stopping, StreamParameters, Unloaded, ValueParameters,
 };
 
 /// HTTP method.
@@ -171,6 +171,8 @@ routes! {
     Get component(component) [Read] "/components/{component}", Description;
     /// Unloads a component.
     Delete unload(component) [Admin: kill] "/components/{component}", Unloaded;
+    /// Exchanges the library of a running component.
+    Post reload(component) [Admin] "/components/{component}/reload" => ReloadRequest, ComponentReload;
     /// The cells.
     Get cells() [Read] "/cells", Cells;
     /// Ends one with all that is in it.

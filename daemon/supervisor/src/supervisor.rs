@@ -129,7 +129,9 @@ impl Supervisor {
     pub fn runs(&self, hosted: &Hosted) {
         hosted.record();
         let backend = hosted.ties.bindings.component();
-        if let Some(vigil) = self.vigil.get().filter(|_| !hosted.request.supervision.is_empty()) {
+        if let Some(vigil) =
+            self.vigil.get().filter(|_| !hosted.build().request.supervision.is_empty())
+        {
             // It looks as often as these rules need.
             vigil.unpark();
         }

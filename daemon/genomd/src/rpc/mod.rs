@@ -58,6 +58,7 @@ fn routes() -> OpenApiRouter<Parts> {
         .routes(routes!(daemon::about))
         .routes(routes!(components::list, components::load))
         .routes(routes!(components::describe, components::unload))
+        .routes(routes!(components::reload))
         .routes(routes!(components::schema))
         .routes(routes!(cells::list))
         .routes(routes!(cells::end))

@@ -25,6 +25,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-rosidl", &["genom-types"]),
     ("genom-bench", MIDDLEWARE),
     ("genom-runtime", &["genom-description", "genom-middleware", "genom-types"]),
+    ("genom-elf", &[]),
     ("genom-host", HOST),
     ("genom-ports", &["genom-middleware", "genom-protocol", "genom-runtime", "genom-types"]),
     ("genom-registry", BACKENDS),
@@ -49,6 +50,7 @@ const HOST: &[&str] = &[
     "genom",
     "genom-description",
     "genom-description-tools",
+    "genom-elf",
     "genom-middleware",
     "genom-runtime",
     "genom-types",
@@ -116,7 +118,7 @@ const FLOORS: &[(&str, &str)] = &[
     (
         "supervisor",
         "outcome flag known limits settings waiting bus reactor spans recording ties components connections \
-         vigil supervisor loading deploy lib",
+         vigil supervisor loading reloading deploy lib",
     ),
     (
         "doors",
