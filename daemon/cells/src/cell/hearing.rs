@@ -20,7 +20,17 @@ impl Cell {
     pub(super) async fn follow(&self, after: Option<u64>) {
         let changes = async {
             let Ok(mut events) = Events::open(&self.client, "/events", after).await else { return };
+            let mut leaves = false;
             while let Some((_, change)) = events.next().await {
+                if change["event"] == "stopping" {
+                    leaves = true;
+                    continue;
+                }
+                // A codel raised the signal for the process to stop: what it unloads now, it has
+                // again when it starts again.
+                if leaves && !self.is_stopping() {
+                    continue;
+                }
                 self.heard(&change);
                 // Its last component went by itself (service `kill`), and none is being loaded.
                 if self.is_empty() && change["event"] == "component_unloaded" {
