@@ -1,5 +1,7 @@
 //! The entry points: from files to model and diagnostics.
 
+use std::fmt::Write as _;
+use std::hash::{DefaultHasher, Hasher as _};
 use std::path::{Path, PathBuf};
 
 use crate::absent::leave_out;
@@ -86,6 +88,7 @@ pub struct Parsed {
     /// Tree of interface `genom`, unless the files declare it themselves.
     pub standard: Option<Tree>,
     sources: SourceMap,
+    fingerprint: u64,
     preprocess: Diagnostics,
     syntax: Diagnostics,
 }
@@ -100,6 +103,7 @@ pub fn parse_files(
 ) -> (Vec<Token>, Parsed) {
     let mut sources = SourceMap::new();
     let (tokens, preprocess) = tokenize(inputs, &options.preprocess, files, &mut sources);
+    let fingerprint = fingerprint(&tokens);
     let (tree, syntax) = parse(&tokens);
     // The input files may declare the interface themselves, as GenoM3's templates do.
     let standard = options.standard_interface && !declares_genom(&tree);
@@ -108,14 +112,15 @@ pub fn parse_files(
         sources.mark_synthetic("<genom>");
         parse(&tokens).0
     });
-    (tokens, Parsed { tree, standard, sources, preprocess, syntax })
+    (tokens, Parsed { tree, standard, sources, fingerprint, preprocess, syntax })
 }
 
 impl Parsed {
     /// Resolves all names and checks all rules.
     #[must_use]
     pub fn check(self) -> Analysis {
-        let Parsed { tree, standard, sources, preprocess: mut diagnostics, syntax } = self;
+        let Parsed { tree, standard, sources, fingerprint, preprocess: mut diagnostics, syntax } =
+            self;
         let root_of = |file: u32| {
             let span = Span { file, ..Span::default() };
             sources.include_chain(span).last().map_or(file, |outermost| outermost.file)
@@ -123,7 +128,8 @@ impl Parsed {
         // Of a text that was not read to its end, only the reason is reported.
         let stopped = diagnostics.stopped;
         let tree = if stopped { Tree { statements: Vec::new(), lost: tree.lost } } else { tree };
-        let (specification, mut semantics) = check(tree, standard, &root_of);
+        let (mut specification, mut semantics) = check(tree, standard, &root_of);
+        specification.fingerprint = fingerprint;
         let mut rest = syntax;
         if rest.errors() > 0 {
             // Parts that failed to parse may use what seems unused.
@@ -138,6 +144,23 @@ impl Parsed {
         diagnostics.append(rest);
         Analysis { specification, diagnostics, sources }
     }
+}
+
+/// A hash of what the tokens are, without their places.
+fn fingerprint(tokens: &[Token]) -> u64 {
+    struct Hashed(DefaultHasher);
+    impl std::fmt::Write for Hashed {
+        fn write_str(&mut self, text: &str) -> std::fmt::Result {
+            self.0.write(text.as_bytes());
+            Ok(())
+        }
+    }
+    let mut hashed = Hashed(DefaultHasher::new());
+    for token in tokens {
+        // Writing into a hash cannot fail.
+        let _ = write!(hashed, "{:?} ", token.kind);
+    }
+    hashed.0.finish()
 }
 
 fn declares_genom(tree: &Tree) -> bool {

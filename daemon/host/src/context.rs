@@ -31,7 +31,7 @@ pub(crate) struct Context {
     thread: AtomicUsize,
     record: UnsafeCell<Exception>,
     /// The library's own pointer for `genom_fatal`.
-    fatal: usize,
+    fatal: AtomicUsize,
 }
 
 /// The last exception recorded.
@@ -75,7 +75,7 @@ impl Contexts {
                     fresh: false,
                     detail: vec![0; room.div_ceil(8)].into(),
                 }),
-                fatal: fatal as usize,
+                fatal: AtomicUsize::new(fatal as usize),
             })
             .collect();
         for context in &contexts {
@@ -88,6 +88,22 @@ impl Contexts {
     /// The context with this index.
     pub(crate) fn get(&self, rank: usize) -> Option<&Context> {
         self.0.get(rank)
+    }
+
+    /// Exchanges what comes from the library with other contexts; exceptions are forgotten.
+    ///
+    /// # Safety
+    /// No codel uses one of them.
+    pub(crate) unsafe fn exchange(&self, others: &Self) {
+        for (own, other) in self.0.iter().zip(&others.0) {
+            let fatal = own.fatal.swap(other.fatal.load(Ordering::Relaxed), Ordering::Relaxed);
+            other.fatal.store(fatal, Ordering::Relaxed);
+            for context in [own, other] {
+                // SAFETY: the caller's promise.
+                let record = unsafe { &mut *context.record.get() };
+                (record.event, record.size, record.fresh) = (std::ptr::null(), 0, false);
+            }
+        }
     }
 
     /// Finds the context that a codel passed to a method of a port or remote. It must be one of
@@ -193,7 +209,7 @@ unsafe extern "C" fn raise(
     if context.is_here() && unsafe { context.record_raw(event, detail, size) } {
         event
     } else {
-        context.fatal as *const c_char
+        context.fatal.load(Ordering::Relaxed) as *const c_char
     }
 }
 

@@ -13,6 +13,7 @@ mod crash_note;
 mod cxx;
 mod detail;
 mod events;
+mod exchanged;
 mod ffi;
 mod last_words;
 pub mod library;
@@ -23,7 +24,7 @@ mod running;
 mod shared;
 mod what;
 
-pub use component::{Component, LoadError, LoadErrors, MemoryCheck, check_memory};
+pub use component::{CannotExchange, Component, LoadError, LoadErrors, MemoryCheck, check_memory};
 pub use crash_note::note_crashes_in;
 pub use last_words::{abort_in, end_is_ours, tell_last_words};
 pub use library::{Contents, Digest, EmbeddedDescription, Library, OpenError};

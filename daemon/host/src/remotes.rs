@@ -269,8 +269,8 @@ impl State {
         }
         link.output.clear();
         remote.call(&link.input, &mut link.output).map_err(|(name, detail)| {
-            let known =
-                self.details.is_exception(&name) || self.shared.events.pointer(&name).is_some();
+            let known = self.details.is_exception(&name)
+                || self.shared.events.get().pointer(&name).is_some();
             if known {
                 let detail = self.details.make(&name, &detail);
                 (name, detail)

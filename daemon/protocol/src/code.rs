@@ -48,6 +48,8 @@ pub enum Code {
     NameTaken,
     /// No middleware of the daemon can relay requests.
     NoRelay,
+    /// The black box is off.
+    NoBlackBox,
     /// There is no way from what runs to the deployment.
     NoPlan,
     /// There is no activity of that number, or none of that service.
@@ -96,6 +98,8 @@ pub enum Code {
     OutPort,
     /// A sealed message arrived a second time.
     Replayed,
+    /// The library of the component is just being exchanged.
+    Reloading,
     /// The token lacks the required right.
     RightMissing,
     /// The session with the daemon has expired: start a new one.

@@ -33,7 +33,7 @@ pub(crate) struct Engine {
     /// A codel without period that runs longer counts as stuck.
     pub(crate) stuck_after: Duration,
     /// Build date of the component.
-    pub(crate) date: String,
+    pub(crate) date: Mutex<String>,
     control: Mutex<Control>,
     /// Notified when a request is ready for a worker, or when the workers have to end.
     pub(crate) work: Condvar,
@@ -125,7 +125,7 @@ impl Engine {
             watcher: options.watcher,
             activity_limit: options.activity_limit,
             stuck_after: options.stuck_after,
-            date: options.date,
+            date: Mutex::new(options.date),
             control: Mutex::new(control),
             work: Condvar::new(),
             quiet: Condvar::new(),

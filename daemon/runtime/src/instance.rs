@@ -18,6 +18,7 @@ use crate::frozen::Frozen;
 use crate::lock::lock;
 use crate::options::Options;
 use crate::plan::{Plan, owner_name};
+use crate::rest::{NoRest, Rest};
 use crate::running::{HeldUp, RunningCodel};
 use crate::shutdown::ShutdownError;
 use crate::start::StartError;
@@ -153,6 +154,25 @@ impl Instance {
     /// A codel is stuck, or did not return in time; `work` was not run.
     pub fn exclusively<R>(&self, work: impl FnOnce(&dyn Body) -> R) -> Result<R, HeldUp> {
         self.engine.exclusively(work)
+    }
+
+    /// Runs `work` at a moment when no codel runs, not even an async one, and each activity is at a
+    /// pause, to exchange the code that codels are made of. Codels must not call this.
+    ///
+    /// # Errors
+    /// There was no such moment within `limit`; `work` was not run.
+    pub fn at_rest<R>(
+        &self,
+        limit: Duration,
+        work: impl FnOnce(Rest<'_>) -> R,
+    ) -> Result<R, NoRest> {
+        self.engine.at_rest(limit, work)
+    }
+
+    /// Sets the build date, after code was exchanged.
+    pub fn set_date(&self, date: String) {
+        *lock(&self.engine.date) = date;
+        self.engine.write_state();
     }
 
     /// What it is between two passes of its tasks, which are kept from the next one while this

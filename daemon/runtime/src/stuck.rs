@@ -69,7 +69,7 @@ impl Engine {
     }
 
     /// The codel that has run for longest among those selected by `concerns`.
-    fn longest(&self, concerns: impl Fn(&RunningCodel) -> bool) -> Option<RunningCodel> {
+    pub(crate) fn longest(&self, concerns: impl Fn(&RunningCodel) -> bool) -> Option<RunningCodel> {
         let all = self.running_codels().into_iter();
         all.filter(concerns).max_by_key(|codel| codel.for_ns)
     }

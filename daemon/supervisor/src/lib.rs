@@ -42,6 +42,7 @@ pub mod loading;
 pub mod outcome;
 pub mod reactor;
 pub mod recording;
+pub mod reloading;
 pub mod settings;
 pub mod spans;
 pub mod supervisor;

@@ -12,6 +12,8 @@ use crate::{Daemon, Footprint, Home, WATCHDOG, component, request};
 
 /// Name of the cell that is struck.
 const STRUCK: &str = "struck";
+/// Within this time a daemon has told what it looks for now and then.
+const LOOKED_AT: Duration = Duration::from_secs(10);
 /// The components that must miss no period.
 const OTHERS: [&str; 2] = ["neighbour", "beside"];
 
@@ -50,26 +52,27 @@ impl Trial {
         self.happened = match (seen.code, fault.outcome.goes_on()) {
             (Some(0), true) => "goes on".to_owned(),
             (_, true) => format!("ends with {}", exception(&seen.said)),
-            (_, false) => format!(
-                "its cell ends, {}; {}",
-                cell(&daemon)["last_end"].as_str().unwrap_or("?"),
-                exception(&seen.said)
-            ),
+            (_, false) => {
+                format!("its cell ends, {}", cell(&daemon)["last_end"].as_str().unwrap_or("?"))
+            }
         };
         self.back = percentiles(&mut back);
         daemon.ctl(&["call", "neighbour", "goto", "goal=0.01"]).expect_code(0);
         daemon.ctl(&["unload", fault.component]).expect_code(0);
+        // Codels that closed standard descriptors are looked for now and then.
+        let tells = |line: &str| line.contains(fault.told);
+        let line = || daemon.process().error_line_within(LOOKED_AT, tells);
+        let said = tells(&seen.said) || line().is_ok_and(|line| line.is_some());
         let (ended, home) = daemon.stop("TERM");
         ended.expect_code(0);
         let left = home.memory().files();
         self.left = told(&left);
-        let said = ended.err.contains(fault.told) || seen.said.contains(fault.told);
         let fits = match fault.outcome {
             Outcome::GoesOn => self.happened == "goes on",
             Outcome::Exception(name) => self.happened == format!("ends with {name}"),
-            Outcome::Stops(_) | Outcome::Ends(_) => {
-                self.happened.ends_with("::genom::gone") && back.len() == times
-            }
+            // A process that stops in order answers first.
+            Outcome::Stops(_) => true,
+            Outcome::Ends(_) => exception(&seen.said) == "::genom::gone",
         };
         self.wrong = match (fits, said, left.is_empty()) {
             (false, ..) => Some(format!("{}; it is to be: {}", self.happened, fault.outcome)),

@@ -18,5 +18,6 @@ mod components;
 mod control_plane;
 mod deployment;
 mod process;
+mod reload;
 mod tree;
 mod wiring;

@@ -81,6 +81,15 @@ class Described(Part):
         path = url("components", self._name, "backend")
         self._client._transport.request("PUT", path, {"backend": backend, "port": port})
 
+    def reload(self, library: Optional[str] = None) -> None:
+        """Exchanges its library, by default for the present state of the file that it runs.
+
+        IDS, ports, connections and activities stay as they are.
+        """
+        path = url("components", self._name, "reload")
+        body = {} if library is None else {"library": str(library)}
+        self._client._transport.request("POST", path, body)
+
     def unload(self) -> None:
         """Stops and unloads the component."""
         self._client._transport.request("DELETE", url("components", self._name))

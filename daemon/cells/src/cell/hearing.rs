@@ -1,8 +1,9 @@
 //! What a cell tells while it lives, and the report of an end that nobody asked for.
 
+use std::path::Path;
 use std::sync::PoisonError;
 
-use genom_protocol::{Change, Crash};
+use genom_protocol::{Change, Crash, CrashReport};
 
 use super::Cell;
 use crate::crashes::Known;
@@ -20,7 +21,17 @@ impl Cell {
     pub(super) async fn follow(&self, after: Option<u64>) {
         let changes = async {
             let Ok(mut events) = Events::open(&self.client, "/events", after).await else { return };
+            let mut leaves = false;
             while let Some((_, change)) = events.next().await {
+                if change["event"] == "stopping" {
+                    leaves = true;
+                    continue;
+                }
+                // A codel raised the signal for the process to stop: what it unloads now, it has
+                // again when it starts again.
+                if leaves && !self.is_stopping() {
+                    continue;
+                }
                 self.heard(&change);
                 // Its last component went by itself (service `kill`), and none is being loaded.
                 if self.is_empty() && change["event"] == "component_unloaded" {
@@ -51,6 +62,7 @@ impl Cell {
     pub(super) fn report(&self, end: &End) -> bool {
         let (asked, pid) = self.with(|state| (std::mem::take(&mut state.asked), state.pid));
         let known = self.with_known(std::mem::take);
+        let left = self.setup.boxes.end(&self.name);
         let in_order = matches!(end, End::Exited(0) | End::NotStarted(_));
         if asked || in_order || self.is_stopping() {
             return asked;
@@ -59,13 +71,22 @@ impl Cell {
         let (reports, cell) = (&self.setup.reports, (self.name.as_str(), pid));
         let seen = reports.look(cell, end, &self.place.note(), &held.component, &known);
         let (Some(seen), setup) = (seen, std::sync::Arc::clone(&self.setup)) else { return false };
-        let cell = self.name.clone();
-        tokio::task::spawn_blocking(move || match setup.reports.write(seen) {
-            Ok(Crash { name: report, end, codel, .. }) => {
-                tracing::warn!("cell {cell}: `genomctl crashes {report}` shows how it ended");
-                setup.tell(Told::Cell(Change::CellCrashed { cell, report, end, codel }));
+        let (cell, ended) = (self.name.clone(), end.to_string());
+        tokio::task::spawn_blocking(move || {
+            let boxes = &setup.boxes;
+            let left = left.filter(|_| boxes.is_for_crashes());
+            let more = |directory: &Path, report: &mut CrashReport| {
+                let name = &report.crash.name;
+                let put = |left| boxes.put_beside(directory, &cell, name, (&ended, left));
+                report.blackbox = left.map(put);
+            };
+            match setup.reports.write(seen, more) {
+                Ok(Crash { name: report, end, codel, .. }) => {
+                    tracing::warn!("cell {cell}: `genomctl crashes {report}` shows how it ended");
+                    setup.tell(Told::Cell(Change::CellCrashed { cell, report, end, codel }));
+                }
+                Err(error) => tracing::error!("cell {cell}: no report of its end: {error}"),
             }
-            Err(error) => tracing::error!("cell {cell}: no report of its end: {error}"),
         });
         false
     }

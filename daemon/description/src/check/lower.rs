@@ -71,6 +71,8 @@ impl Checker {
             interfaces,
             components,
             masquerades: std::mem::take(&mut self.masquerades),
+            // Known to who has the tokens.
+            fingerprint: 0,
         };
         self.warn_names(&specification);
         (specification, self.diagnostics)

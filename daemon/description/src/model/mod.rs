@@ -30,6 +30,9 @@ pub struct Specification {
     pub components: Vec<Component>,
     /// `#pragma masquerade TEMPLATE TYPE DATA`, in order.
     pub masquerades: Vec<Masquerade>,
+    /// Equal for texts that differ only in blanks, comments, and how they are split into files:
+    /// their models differ in nothing but places.
+    pub fingerprint: u64,
 }
 
 /// A constant and its value.

@@ -78,7 +78,7 @@ enum ReactionError {
 }
 
 /// Whether a path can be completed: libraries, descriptions, and directories.
-fn is_component(path: &Path) -> bool {
+pub(super) fn is_component(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str());
     path.is_dir() || matches!(extension, Some("so" | "gen"))
 }
@@ -103,7 +103,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
 
 /// An existing file is sent with its absolute path, because the daemon has another working
 /// directory.
-fn absolute(path: &Path) -> Result<PathBuf, Failure> {
+pub(super) fn absolute(path: &Path) -> Result<PathBuf, Failure> {
     let full = if path.exists() { std::path::absolute(path)? } else { path.to_owned() };
     match full.to_str() {
         Some(_) => Ok(full),

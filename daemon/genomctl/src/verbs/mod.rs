@@ -5,6 +5,7 @@ mod activities;
 mod apply;
 mod backend;
 mod backends;
+mod blackbox;
 mod bw;
 mod call;
 mod cells;
@@ -41,6 +42,7 @@ mod publish;
 mod record;
 mod recover;
 mod reference;
+mod reload;
 mod replay;
 mod ros2_package;
 mod start;
@@ -86,9 +88,11 @@ pub(crate) enum Verb {
     Disconnect(disconnect::Args),
     Connections(connections::Args),
     Load(load::Args),
+    Reload(reload::Args),
     Unload(unload::Args),
     Cells(cells::Args),
     Crashes(crashes::Args),
+    Blackbox(blackbox::Args),
     Fire(fire::Args),
     Events(events::Args),
     Stats(stats::Args),
@@ -161,6 +165,8 @@ pub(crate) async fn run(
         Verb::Load(args) => load::run(args, session).await,
         Verb::Cells(args) => cells::run(args, session).await,
         Verb::Crashes(args) => crashes::run(args, session).await,
+        Verb::Blackbox(args) => blackbox::run(args, session).await,
+        Verb::Reload(args) => reload::run(args, session).await,
         Verb::Unload(args) => unload::run(args, session).await,
         Verb::Fire(args) => fire::run(args, session).await,
         Verb::Events(args) => events::run(args, session).await,

@@ -8,15 +8,20 @@ use axum::http::StatusCode;
 use genom_cells::Cells;
 use genom_description_tools as tools;
 use genom_doors::{Body, RpcError};
-use genom_protocol::{Code, Component, Components, Description, LeftBehind, LoadRequest, Unloaded};
+use genom_protocol::{
+    Code, Component, ComponentReload, Components, Description, LeftBehind, LoadRequest,
+    ReloadRequest, Unloaded,
+};
 use genom_registry::BackendError;
-use genom_runtime::seconds;
+use genom_runtime::{NoRest, seconds};
 use genom_supervisor::Supervisor;
 use genom_supervisor::components::{Components as Running, Hosted, UnloadError};
 use genom_supervisor::loading::LoadError;
+use genom_supervisor::reloading::ReloadError;
 use serde_json::Value;
 
 use crate::daemon::Daemon;
+use crate::rpc::held_up::held_up;
 use crate::rpc::{cells, codels};
 use crate::startup::Startup;
 use genom_cells::own as own_cell;
@@ -164,6 +169,51 @@ async fn load_into(
     Ok((StatusCode::CREATED, Json(loaded)))
 }
 
+/// Exchange the library of a running component.
+///
+/// IDS, ports, connections and activities stay as they are: each activity goes on in its state, with
+/// the new code. A library that does not fit is refused, and the component goes on as before.
+#[utoipa::path(
+    post,
+    path = "/components/{component}/reload",
+    tag = "components",
+    request_body = ReloadRequest,
+    responses(
+        (status = 200, body = ComponentReload), (status = 404), (status = 409), (status = 422),
+        (status = 503)
+    )
+)]
+pub(crate) async fn reload(
+    State(supervisor): State<Arc<Supervisor>>,
+    Path(component): Path<String>,
+    Body(request): Body<ReloadRequest>,
+) -> Result<Json<ComponentReload>, RpcError> {
+    find(&supervisor.components, &component)?;
+    let work = move || supervisor.reload(&component, &request);
+    match tokio::task::spawn_blocking(work).await {
+        Ok(Ok(reloaded)) => Ok(Json(reloaded)),
+        Ok(Err(error)) => Err(not_reloaded(&error)),
+        Err(error) => Err(RpcError::internal(error.to_string())),
+    }
+}
+
+fn not_reloaded(error: &ReloadError) -> RpcError {
+    let message = error.to_string();
+    let refused = match error {
+        ReloadError::NotThere(_) => RpcError::conflict(Code::Unloading, message),
+        ReloadError::Busy(_) => RpcError::conflict(Code::Reloading, message),
+        ReloadError::Load(error) => refused(error),
+        ReloadError::NoRest(NoRest::HeldUp(error)) => return held_up(error),
+        ReloadError::NoRest(NoRest::NoPause { .. }) => {
+            RpcError::new(StatusCode::SERVICE_UNAVAILABLE, Code::HeldUp, message)
+        }
+        ReloadError::NoRest(NoRest::Stops { .. }) => RpcError::conflict(Code::Unloading, message),
+        _ => RpcError::new(StatusCode::UNPROCESSABLE_ENTITY, Code::NotLoadable, message)
+            .place("/library"),
+    };
+    refused.help("nothing was changed: the component goes on as before")
+}
+
 /// Stop a component's activities and tasks, and close its library.
 #[utoipa::path(
     delete,
@@ -216,7 +266,7 @@ fn summary(hosted: &Hosted) -> Component {
         backend: bindings.component(),
         port_backends: bindings.ports(),
         cell: None,
-        library: hosted.library.clone(),
+        library: hosted.library(),
         activities: hosted.activities.running(),
         supervision: hosted.rules(),
         remotes: hosted.model().remotes.iter().map(|remote| remote.name.clone()).collect(),

@@ -10,6 +10,7 @@
 
 mod activities;
 mod backends;
+mod blackbox;
 mod cells;
 mod clock;
 mod codels;
@@ -58,12 +59,15 @@ fn routes() -> OpenApiRouter<Parts> {
         .routes(routes!(daemon::about))
         .routes(routes!(components::list, components::load))
         .routes(routes!(components::describe, components::unload))
+        .routes(routes!(components::reload))
         .routes(routes!(components::schema))
         .routes(routes!(cells::list))
         .routes(routes!(cells::end))
         .routes(routes!(cells::restart))
         .routes(routes!(cells::crashes))
         .routes(routes!(cells::crash))
+        .routes(routes!(blackbox::look, blackbox::save))
+        .routes(routes!(blackbox::frames))
         .routes(routes!(backends::change))
         .routes(routes!(services::describe, services::call))
         .routes(routes!(activities::list, activities::abort_all))

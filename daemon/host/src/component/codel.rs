@@ -5,6 +5,7 @@ use genom_description::model::{
 };
 use genom_types::{CompiledPath, DataType, PathError, PathStep};
 
+use super::code::Placed;
 use super::cxx::CxxTypes;
 use super::error::LoadError;
 use super::types::{Checker, Kept, ServiceTypes, steps};
@@ -18,12 +19,8 @@ use crate::library::{FoundFunction, Library};
 #[derive(Debug)]
 pub(super) struct Prepared {
     pub(super) name: String,
-    /// Description of the codel for the report if it ends the process.
-    pub(super) words: String,
     /// What it belongs to: `service NAME` or `task NAME`.
     pub(super) owner: String,
-    /// Address of the C function.
-    pub(super) function: usize,
     pub(super) interface: Interface,
     pub(super) arguments: Vec<Argument>,
     /// Whether the context is the last argument: not in C++.
@@ -83,7 +80,11 @@ pub(super) struct Workshop<'a> {
 impl Workshop<'_> {
     /// Prepares a codel; `None` for one that the runtime supplies, and, with an error recorded, for
     /// one that is wrong.
-    pub(super) fn prepare(&self, checker: &mut Checker<'_>, codel: &Codel) -> Option<Prepared> {
+    pub(super) fn prepare(
+        &self,
+        checker: &mut Checker<'_>,
+        codel: &Codel,
+    ) -> Option<(Prepared, Placed)> {
         if let Owner::Service(service) = codel.owner
             && self.model.services.get(service).is_none_or(|service| service.standard)
         {
@@ -109,7 +110,7 @@ impl Workshop<'_> {
                 }
             }
         }
-        let function = function.filter(|_| !wrong)?;
+        let at = function.filter(|_| !wrong)?;
         let context = self.cxx.is_none();
         let classes = arguments.iter().map(|argument| argument.class);
         let classes: Vec<Class> = classes.chain(context.then_some(Class::Address)).collect();
@@ -123,7 +124,7 @@ impl Workshop<'_> {
             Owner::Service(rank) => format!("service {}", self.model.services.get(rank)?.name),
             Owner::Task(rank) => format!("task {}", self.model.tasks.get(rank)?.name),
         };
-        Some(Prepared { name, words, owner, function, interface, arguments, context })
+        Some((Prepared { name, owner, interface, arguments, context }, Placed { at, words }))
     }
 
     /// Address of the C function; records an error if there is none.

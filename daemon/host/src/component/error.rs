@@ -87,3 +87,14 @@ pub enum LoadError {
     #[error("no memory for the C functions of ports and remotes")]
     NoClosures,
 }
+
+/// The code of two components cannot be exchanged. Nothing was done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CannotExchange {
+    /// The component that runs does not rest.
+    #[error("another component rests")]
+    NotAtRest,
+    /// Their descriptions differ.
+    #[error("the descriptions of the two differ")]
+    Unlike,
+}

@@ -43,6 +43,8 @@ pub(super) struct BoundFrame {
     /// For each codel of the component, its index in `calls`.
     pub(super) ranks: Indexed<CodelIx, u16>,
     pub(super) cache: EventCache,
+    /// The code that it is of.
+    pub(super) cached: u64,
     /// Guard zones of the memory that its codels may write to, and when to check them.
     pub(super) watched: Watched,
     pub(super) check: MemoryCheck,
@@ -117,6 +119,7 @@ impl BoundFrame {
             calls: calls.into(),
             ranks,
             cache: EventCache::new(),
+            cached: 0,
             watched,
             check: zones::mode(),
             what: [0; WHAT],
@@ -258,14 +261,19 @@ impl Frame for BoundFrame {
         let inner = Arc::as_ptr(&self.inner);
         // SAFETY: the frame holds the component, and nothing drops it during this call.
         let inner = unsafe { &*inner };
-        let (Some(call), Some(Some(prepared)), Some(context)) = (
+        let code = inner.code.get();
+        let (Some(call), Some(Some(prepared)), Some(Some(function)), Some(context)) = (
             self.calls.get_mut(usize::from(rank)),
             inner.codels.get(codel),
+            code.functions.get(codel),
             inner.shared.contexts.get(context),
         ) else {
             return self.fail(format!("codel {codel} is none of this service"));
         };
         debug_assert_eq!(call.codel, codel);
+        if self.cached != code.number {
+            (self.cache, self.cached) = (EventCache::new(), code.number);
+        }
         for i in 0..call.dynamic.len() {
             let (rank, root) = call.dynamic[i];
             let argument = &prepared.arguments[rank];
@@ -296,13 +304,13 @@ impl Frame for BoundFrame {
         let mut catcher =
             inner.cxx.as_ref().map(|cxx| Catcher::new(&cxx.exceptions, &inner.details));
         context.enter();
-        let codel = running::serving(&prepared.words, &self.doing);
-        // SAFETY: the function was found under this name in the library, which stays loaded as long
-        // as the component lives; the arguments point to data of the interface's classes, which the
+        let codel = running::serving(&function.words, &self.doing);
+        // SAFETY: the function was found under this name in the library, which stays loaded at least
+        // until a moment at which no codel runs; the arguments point to data of the interface's classes, which the
         // runtime keeps from being changed.
         let returned = unsafe {
-            let (function, arguments) = (prepared.function, &mut call.arguments);
-            prepared.interface.call(function, arguments, &mut self.what, catcher.as_mut())
+            let arguments = &mut call.arguments;
+            prepared.interface.call(function.at, arguments, &mut self.what, catcher.as_mut())
         };
         if process::is_child() {
             last_words::child_came_back();

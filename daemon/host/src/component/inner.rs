@@ -2,19 +2,22 @@
 #![allow(unsafe_code)]
 
 use std::collections::HashSet;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use genom_description::model::{CodelIx, Indexed, Port, PortIx, Service, ServiceIx, TaskIx};
+use genom_runtime::Rest;
 use genom_runtime::plan::Plan;
 use genom_types::{DataType, Record, Zones};
 
+use super::code::Code;
 use super::codel::{From, Prepared};
 use super::cxx::CxxService;
 use super::types::ServiceTypes;
 use super::zones::{Described, Watched};
 use crate::cxx::{Exceptions, Object};
 use crate::detail::Details;
-use crate::library::Library;
+use crate::exchanged::Exchanged;
 use crate::ports::Ports;
 use crate::remotes::Remotes;
 use crate::shared::Shared;
@@ -45,7 +48,11 @@ pub(super) struct Inner {
     pub(super) events: Vec<String>,
     /// Type of the records of permanent activities: an empty struct.
     pub(super) nothing: DataType,
-    pub(super) library: Library,
+    /// Whether a library that it ran before stays mapped, whose threads may use its memory.
+    pub(super) pinned: Arc<AtomicBool>,
+    /// The component that runs on with the memory that the code here used before.
+    pub(super) pins: OnceLock<Arc<AtomicBool>>,
+    pub(super) code: Exchanged<Code>,
 }
 
 impl Drop for Inner {
@@ -54,7 +61,7 @@ impl Drop for Inner {
     /// IDS are kept as well.
     fn drop(&mut self) {
         if let Some(written) = self.all_zones().take_written() {
-            let path = self.library.path().display();
+            let path = self.code.get().library.path().display();
             tracing::error!("{path}: codels wrote {written}; found when it was unloaded");
         }
         let mut seen = HashSet::new();
@@ -62,13 +69,48 @@ impl Drop for Inner {
         if let Some(Ids { memory: Memory::C(record), .. }) = &mut self.ids {
             record.give_up_shared(&mut seen);
         }
-        if self.library.is_outlived() {
+        let outlived = self.code.get_mut().library.is_outlived();
+        if outlived {
+            std::mem::forget(Arc::clone(&self.shared));
+            if let Some(pinned) = self.pins.get() {
+                pinned.store(true, Ordering::Release);
+            }
+        }
+        if outlived || self.pinned.load(Ordering::Acquire) {
             std::mem::forget(self.ids.take());
         }
     }
 }
 
 impl Inner {
+    /// Whether the code of another component works with the memory of this one.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        let names = |one: &Self| {
+            let codels = one.codels.iter().map(|codel| Some(codel.as_ref()?.name.clone()));
+            codels.collect::<Vec<_>>()
+        };
+        let ids = match (&self.ids, &other.ids) {
+            (Some(own), Some(other)) => own.is_like(other),
+            (own, other) => own.is_none() && other.is_none(),
+        };
+        ids && self.events == other.events && names(self) == names(other)
+    }
+
+    /// Exchanges the code of this component, which rests, with that of another one like it, which
+    /// does not run.
+    pub(super) fn exchange(&self, other: &Self, _: Rest<'_>) {
+        // SAFETY: no codel of the two runs, and only codels use what is exchanged. Threads that a
+        // library started may use the events, too: while they run, its holder keeps them.
+        unsafe {
+            self.code.swap(&other.code);
+            self.shared.exchange(&other.shared);
+        }
+        if let (Some(own), Some(other)) = (&self.cxx, &other.cxx) {
+            own.exceptions.exchange_types(&other.exceptions);
+        }
+        let _ = other.pins.set(Arc::clone(&self.pinned));
+    }
+
     /// Adds the guard zones of what these codels may write to besides the memory of their own run.
     pub(super) fn watch(&self, codels: &[CodelIx], watched: &mut Watched) {
         let prepared = codels.iter().filter_map(|codel| self.codels.get(*codel)?.as_ref());
@@ -163,6 +205,15 @@ pub(super) enum Memory {
 }
 
 impl Ids {
+    /// Whether the other ones have the same type and layout.
+    fn is_like(&self, other: &Self) -> bool {
+        match (&self.memory, &other.memory) {
+            (Memory::C(own), Memory::C(other)) => own.ty().same_as(other.ty()),
+            (Memory::Cxx(own), Memory::Cxx(other)) => own.ty().c().same_as(other.ty().c()),
+            _ => false,
+        }
+    }
+
     pub(super) fn zones(&self) -> Zones {
         match &self.memory {
             Memory::C(record) => record.zones(),

@@ -1,9 +1,11 @@
 //! A component's code and memory: the runtime's `Body`.
 
 mod call;
+mod code;
 mod codel;
 mod cxx;
 mod error;
+mod exchange;
 mod frame;
 mod inner;
 mod last;
@@ -14,7 +16,7 @@ mod types;
 mod way;
 mod zones;
 
-pub use error::{LoadError, LoadErrors};
+pub use error::{CannotExchange, LoadError, LoadErrors};
 pub use zones::{MemoryCheck, check_memory};
 
 use std::path::PathBuf;
@@ -103,7 +105,7 @@ impl Component {
     /// The library file, by the path it was requested with.
     #[must_use]
     pub fn library(&self) -> PathBuf {
-        self.inner.library.path().to_owned()
+        self.inner.code.get().library.path().to_owned()
     }
 }
 

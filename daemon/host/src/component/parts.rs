@@ -8,6 +8,7 @@ use genom_description::model::{
 use genom_runtime::plan::{Event, Meaning, Plan};
 use genom_types::{DataType, Kind, Record, ScopedName, TypeTable};
 
+use super::code::{Code, Placed};
 use super::codel::{Prepared, Workshop};
 use super::cxx::CxxTypes;
 use super::error::LoadError;
@@ -17,6 +18,7 @@ use crate::context::Contexts;
 use crate::cxx::{CxxType, DetailError, Exceptions, Object};
 use crate::detail::{Details, MWERR, SYSERR, UNKEX};
 use crate::events::Events;
+use crate::exchanged::Exchanged;
 use crate::library::Library;
 use crate::ports::{InCxx, Ports};
 use crate::remotes::{Remotes, Signature};
@@ -40,7 +42,7 @@ const GIVEN: &[&str] = &[
 pub(super) struct Parts {
     pub(super) ids: Option<DataType>,
     pub(super) services: Indexed<ServiceIx, Option<ServiceTypes>>,
-    pub(super) codels: Indexed<CodelIx, Option<Prepared>>,
+    pub(super) codels: Indexed<CodelIx, Option<(Prepared, Placed)>>,
     pub(super) ports: Indexed<PortIx, Option<DataType>>,
     pub(super) remotes: Indexed<RemoteIx, Option<Signature>>,
     pub(super) details: Details,
@@ -119,7 +121,7 @@ impl Parts {
         let table = Events::new(&library, events.iter().map(String::as_str), given);
         let fatal = table.pointer("::genom::fatal").unwrap_or(std::ptr::null());
         let contexts = Contexts::new(plan.contexts(), self.details.room(), fatal);
-        let shared = Arc::new(Shared { events: table, contexts });
+        let shared = Arc::new(Shared { events: Exchanged::new(table), contexts });
         let details = Arc::new(self.details);
         let types: Indexed<PortIx, DataType> = self.ports.into_iter().collect::<Option<_>>()?;
         let signatures = self.remotes.into_iter().collect::<Option<Indexed<_, _>>>()?;
@@ -137,6 +139,8 @@ impl Parts {
             }
             None => (None, None, None),
         };
+        let (codels, functions): (Vec<_>, Vec<_>) =
+            self.codels.into_iter().map(Option::unzip).unzip();
         let of =
             |service: &Service| service.validates.iter().chain(&service.codels).copied().collect();
         Some(Inner {
@@ -157,7 +161,7 @@ impl Parts {
                 let exceptions = cxx.as_ref().map(|cxx| &cxx.exceptions);
                 Remotes::new(signatures, &shared, &details, exceptions)?
             },
-            codels: self.codels,
+            codels: codels.into_iter().collect(),
             services: self.services.into_iter().collect::<Option<_>>()?,
             owned: Owned {
                 services: model.services.iter().map(of).collect(),
@@ -176,7 +180,9 @@ impl Parts {
             shared,
             details,
             nothing: self.nothing,
-            library,
+            pinned: Arc::default(),
+            pins: OnceLock::new(),
+            code: Exchanged::new(Code::new(functions.into_iter().collect(), library)),
         })
     }
 }

@@ -34,13 +34,13 @@ impl BoundFrame {
     /// Handles an event that is not cached, because it is new or its text may be overwritten.
     #[cold]
     fn read(&mut self, event: *const c_char, codel: &Prepared, context: &Context) -> Returned {
-        let constant = self.inner.library.is_constant(event as usize);
-        let Some(text) = text(event, constant || self.inner.library.contains(event as usize))
-        else {
+        let library = &self.inner.code.get().library;
+        let constant = library.is_constant(event as usize);
+        let Some(text) = text(event, constant || library.contains(event as usize)) else {
             tracing::error!("codel {} returned {event:p}, where no event is", codel.name);
             return self.fail(format!("{} returned {event:p}, where no event is", codel.name));
         };
-        let Some(id) = self.inner.shared.events.id(text) else {
+        let Some(id) = self.inner.shared.events.get().id(text) else {
             return self.rested(codel).unwrap_or_else(|| self.unknown(event, text, context));
         };
         if constant {
@@ -85,7 +85,7 @@ impl BoundFrame {
         let told = format!("codel {} wrote {written}", codel.name);
         tracing::error!(
             "{}: {told}, or codels beside it did; its memory may be wrong from here on",
-            self.inner.library.path().display()
+            self.inner.code.get().library.path().display()
         );
         let _ = self.inner.damage.set(told.clone());
         Some(self.fail(told))
@@ -122,7 +122,7 @@ impl BoundFrame {
     /// A codel in C++ threw a declared exception, or one of the run time.
     #[cold]
     pub(super) fn thrown(&mut self, name: String, detail: Option<Value>) -> Returned {
-        match self.inner.shared.events.id(name.as_bytes()) {
+        match self.inner.shared.events.get().id(name.as_bytes()) {
             Some(id) => {
                 self.last = detail.map_or(Last::Plain, Last::Told);
                 Returned::Event(id)

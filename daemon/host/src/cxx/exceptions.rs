@@ -5,6 +5,7 @@
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::ffi::{CStr, CString, c_char, c_int};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use genom_types::{DataType, Record};
 use serde_json::Value;
@@ -47,7 +48,7 @@ struct Known {
 struct Made {
     /// Offset to top, type, `what()`, and then for the shim: the name, the function that drops the
     /// detail, the detail's type.
-    vtable: Box<[usize; 6]>,
+    vtable: Box<[AtomicUsize; 6]>,
     _name: CString,
     detail: Option<Box<CxxType>>,
 }
@@ -83,10 +84,20 @@ impl Exceptions {
         let made = detail.clone().map(Box::new);
         let detail_type = made.as_deref().map_or(0, |ty| std::ptr::from_ref(ty) as usize);
         let (what, drop) = (shim::what_function(), destroy as *const () as usize);
-        let vtable = Box::new([0, ty, what, text.as_ptr() as usize, drop, detail_type]);
+        let parts = [0, ty, what, text.as_ptr() as usize, drop, detail_type];
+        let vtable = Box::new(parts.map(AtomicUsize::new));
         let known = Known { name: name.to_owned(), detail: detail.clone() };
         self.by_type.insert(type_info(name), known);
         self.by_name.insert(name.to_owned(), Made { vtable, _name: text, detail: made });
+    }
+
+    /// Exchanges the types with those of another library for the same exceptions.
+    pub(crate) fn exchange_types(&self, other: &Self) {
+        for (name, made) in &self.by_name {
+            let Some(other) = other.by_name.get(name) else { continue };
+            let (own, its) = (&made.vtable[1], &other.vtable[1]);
+            its.store(own.swap(its.load(Ordering::Relaxed), Ordering::Relaxed), Ordering::Relaxed);
+        }
     }
 
     /// A type for the vtables that the host makes: `typeid` of such an object is that of the base.
@@ -106,7 +117,7 @@ impl Exceptions {
         };
         let mut raise = Raise {
             vtable: (&raw const made.vtable[2]) as usize,
-            ty: made.vtable[1],
+            ty: made.vtable[1].load(Ordering::Relaxed),
             detail: std::ptr::null(),
             size: made.detail.as_ref().map_or(0, |detail| detail.size()),
             construct: None,

@@ -4,12 +4,12 @@
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::ops::Range;
 use std::os::unix::ffi::OsStrExt as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use libloading::os::unix;
 
-use super::elf::Segment;
-use super::error::LinkError;
+use genom_elf::{OpenError, Segment};
+
 use crate::last_words;
 use crate::running;
 use crate::what::WHAT;
@@ -23,6 +23,29 @@ unsafe extern "C" {
         what: *mut c_char,
         room: usize,
     ) -> c_int;
+}
+
+/// The dynamic linker could not open a file.
+#[derive(Debug, thiserror::Error)]
+#[error("{said}")]
+pub(super) struct LinkError {
+    /// Its message, without the name of the file.
+    pub(super) said: String,
+}
+
+impl LinkError {
+    /// What it means for `path`, of which a copy was opened.
+    pub(super) fn of(&self, path: PathBuf) -> OpenError {
+        let said = self.said.as_str();
+        if let Some((_, symbol)) = said.split_once("undefined symbol: ") {
+            let symbol = symbol.split([',', ' ']).next().unwrap_or(symbol).to_owned();
+            return OpenError::UndefinedSymbol { path, symbol };
+        }
+        if let Some((dependency, _)) = said.split_once(": cannot open shared object file") {
+            return OpenError::MissingDependency { path, dependency: dependency.to_owned() };
+        }
+        OpenError::Refused { path, why: said.to_owned() }
+    }
 }
 
 /// A library opened by the dynamic linker; closed when dropped.

@@ -3,24 +3,19 @@
 //! It knows nothing about components: the caller decides which symbols to look up.
 
 mod ask;
-mod contents;
 mod copy;
-mod elf;
-mod error;
 mod linker;
 mod outlive;
 mod threads;
 mod timers;
 
-pub use contents::{Contents, Digest};
-pub use elf::EmbeddedDescription;
-use error::LinkError;
-pub use error::OpenError;
+pub use genom_elf::{Contents, Digest, EmbeddedDescription, OpenError};
 
 use std::path::{Path, PathBuf};
 
 use copy::PrivateCopy;
-use linker::{Handle, Mapping};
+use genom_elf as elf;
+use linker::{Handle, LinkError, Mapping};
 
 /// Libraries of the system, by prefix of their file names: they contain no codels.
 const SYSTEM: &[&str] = &[
@@ -73,7 +68,15 @@ impl Library {
     /// # Errors
     /// The file is missing, not a shared object for this machine, truncated, or cannot be linked.
     pub fn open(path: &Path) -> Result<Self, OpenError> {
-        Contents::read(path)?.open()
+        Self::of(Contents::read(path)?)
+    }
+
+    /// Loads a private copy of these contents: see [`open`](Self::open).
+    ///
+    /// # Errors
+    /// The library cannot be linked.
+    pub fn of(contents: Contents) -> Result<Self, OpenError> {
+        Self::open_by(contents, Handle::open)
     }
 
     /// Loads a private copy of these contents with this linker.
@@ -95,7 +98,7 @@ impl Library {
             Err(error) if error.said.contains("failed to map segment") => {
                 Self::open_beside(contents, link)
             }
-            Err(error) => Err(OpenError::from_linker(contents.path, &error)),
+            Err(error) => Err(error.of(contents.path)),
         }
     }
 
@@ -113,7 +116,7 @@ impl Library {
         });
         match loaded {
             Ok(handle) => Ok(Self::new(contents, handle, None)),
-            Err(error) => Err(OpenError::from_linker(contents.path, &error)),
+            Err(error) => Err(error.of(contents.path)),
         }
     }
 
@@ -190,16 +193,6 @@ impl Library {
     /// Whether the byte at `address` lies in this library's memory and is read-only.
     pub(crate) fn is_constant(&self, address: usize) -> bool {
         self.mappings.iter().any(|own| !own.writable && own.range.contains(&address))
-    }
-}
-
-impl Contents {
-    /// Loads the library: see [`Library::open`].
-    ///
-    /// # Errors
-    /// The library cannot be linked.
-    pub fn open(self) -> Result<Library, OpenError> {
-        Library::open_by(self, Handle::open)
     }
 }
 

@@ -36,6 +36,14 @@ impl Library {
         !uses.is_empty()
     }
 
+    /// Whether a thread is in its code, or may be.
+    pub(crate) fn is_run(&self) -> bool {
+        let parts = self.mappings.iter().filter(|part| part.executable);
+        let code: Vec<_> = parts.map(|part| part.range.clone()).collect();
+        let threads = threads::inside(&code);
+        threads.inside > 0 || threads.unseen > 0
+    }
+
     /// What still uses its code; removes signal handlers.
     fn uses(&self, code: &[Range<usize>]) -> Vec<String> {
         let (back, left) = process::take_signals_from(code);

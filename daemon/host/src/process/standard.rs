@@ -9,8 +9,10 @@
 use std::ffi::c_int;
 use std::fs::File;
 use std::io::{self, Write};
+use std::mem::MaybeUninit;
 use std::os::fd::{AsRawFd as _, FromRawFd as _, OwnedFd, RawFd};
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::forked;
 use super::notes::{self, Act};
@@ -95,7 +97,51 @@ pub(super) fn put_back() -> Vec<String> {
     let again = notes::take(&[Act::Reopened]).into_iter().map(|note| note.number);
     let closed: Vec<_> = (0..3).filter(closed).filter(|one| reopen(*one)).chain(again).collect();
     let told = |one: RawFd| format!("a codel closed standard {}: it is open again", name(one));
-    closed.into_iter().map(told).collect()
+    let mut all: Vec<String> = closed.into_iter().map(told).collect();
+    all.extend(TAKEN.iter().filter_map(Taken::look));
+    all
+}
+
+/// Whether the number of a standard descriptor leads to another file than at the start. What has
+/// the number now belongs to somebody, so it is told, once, and stays.
+struct Taken {
+    descriptor: RawFd,
+    told: AtomicBool,
+}
+
+static TAKEN: [Taken; 2] = [Taken::new(libc::STDOUT_FILENO), Taken::new(libc::STDERR_FILENO)];
+
+impl Taken {
+    const fn new(descriptor: RawFd) -> Self {
+        Self { descriptor, told: AtomicBool::new(false) }
+    }
+
+    fn look(&self) -> Option<String> {
+        let copy = copies().get(usize::try_from(self.descriptor).ok()?)?.as_ref()?;
+        self.compare(file_of(self.descriptor)?, file_of(copy.as_raw_fd())?)
+    }
+
+    fn compare(&self, now: OpenFile, before: OpenFile) -> Option<String> {
+        let is = now != before && !self.told.swap(true, Ordering::Relaxed);
+        is.then(|| {
+            format!(
+                "standard {} is another file than at the start: a codel closed or redirected it, \
+                 and what codels print goes there",
+                name(self.descriptor)
+            )
+        })
+    }
+}
+
+/// Device and number of an open file.
+type OpenFile = (libc::dev_t, libc::ino_t);
+
+fn file_of(descriptor: RawFd) -> Option<OpenFile> {
+    let mut found = MaybeUninit::<libc::stat>::uninit();
+    // SAFETY: the system writes into `found`, and does so completely if it returns 0.
+    let found =
+        unsafe { (libc::fstat(descriptor, found.as_mut_ptr()) == 0).then(|| found.assume_init()) }?;
+    Some((found.st_dev, found.st_ino))
 }
 
 /// Opens a standard descriptor again, unless its number was reused.
@@ -172,5 +218,19 @@ mod tests {
         // SAFETY: as above.
         unsafe { libc::close(0) };
         assert_eq!(put_back(), told);
+    }
+
+    #[test]
+    fn a_number_that_leads_elsewhere_is_told_once() {
+        let _ = StandardError::get();
+        let taken = Taken::new(libc::STDOUT_FILENO);
+        assert_eq!(taken.look(), None, "it is the file of the start");
+        let file = tempfile::tempfile().unwrap();
+        let [now, before] =
+            [file.as_raw_fd(), libc::STDOUT_FILENO].map(|one| file_of(one).unwrap());
+        let told = taken.compare(now, before).unwrap();
+        assert!(told.starts_with("standard output is another file"), "{told}");
+        assert_eq!(taken.compare(now, before), None);
+        assert_eq!(file_of(-1), None);
     }
 }

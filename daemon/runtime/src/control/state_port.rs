@@ -67,7 +67,7 @@ impl Engine {
         json!({
             "task": tasks,
             "digest": fit(&model.digest, 32),
-            "date": fit(&self.date, 30),
+            "date": fit(&lock(&self.date), 30),
             "version": fit(&model.version, 31),
         })
     }

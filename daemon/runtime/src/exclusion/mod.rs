@@ -22,8 +22,8 @@ use rustix::thread::futex;
 use rustix::time::Timespec;
 
 use crate::plan::Nodes;
-use mask::{ALL, Masks, WAITERS};
-use node::{EVERYTHING, IDLE};
+use mask::{ALL, Masks, STILL, WAITERS};
+use node::{EVERYTHING, IDLE, STANDSTILL, is_of_all};
 
 pub(crate) use guard::PiLock;
 pub use inherit::Inheritance;
@@ -33,7 +33,7 @@ pub(crate) use inherit::set_fifo;
 #[derive(Debug)]
 pub struct Exclusion {
     masks: Masks,
-    /// Bits of running nodes, if one word is enough, and [`ALL`] and [`WAITERS`].
+    /// Bits of running nodes, if one word is enough, and [`ALL`], [`STILL`] and [`WAITERS`].
     running: AtomicU64,
     /// The node that each context runs or tries to run, if one word is not enough.
     announced: Option<Box<[AtomicU32]>>,
@@ -126,9 +126,26 @@ impl Exclusion {
     /// This is the "global lock" of genom3.md 7.8. Async codels without port or remote are not
     /// excluded.
     pub fn enter_all(&self, context: usize, patience: Option<Duration>) -> Option<Permit<'_>> {
-        self.inheritance.runs(context, EVERYTHING);
-        match self.enter_slowly(context, EVERYTHING, patience) {
-            Some(waited) => Some(Permit { exclusion: self, context, bit: ALL, waited }),
+        self.enter_outside(context, EVERYTHING, patience)
+    }
+
+    /// The same for all nodes, async ones too: no codel at all runs while the permit is held.
+    pub fn stand_still(&self, context: usize, patience: Option<Duration>) -> Option<Permit<'_>> {
+        self.enter_outside(context, STANDSTILL, patience)
+    }
+
+    fn enter_outside(
+        &self,
+        context: usize,
+        all: u32,
+        patience: Option<Duration>,
+    ) -> Option<Permit<'_>> {
+        self.inheritance.runs(context, all);
+        match self.enter_slowly(context, all, patience) {
+            Some(waited) => {
+                let bit = self.bit(context, all);
+                Some(Permit { exclusion: self, context, bit, waited })
+            }
             None => {
                 self.inheritance.runs(context, IDLE);
                 None
@@ -156,9 +173,6 @@ impl Exclusion {
             return self.announce(announced, context, node).then_some(0);
         }
         let (need, bit) = self.masks.fast(context, node)?;
-        if bit == 0 {
-            return Some(0);
-        }
         let word = &self.running;
         let mut seen = word.load(Ordering::Relaxed);
         while seen & need == 0 {
@@ -176,8 +190,7 @@ impl Exclusion {
     #[inline]
     fn announce(&self, announced: &[AtomicU32], context: usize, node: u32) -> bool {
         announced[context].store(node, Ordering::SeqCst);
-        let flags = if self.masks.is_global(node) { ALL | WAITERS } else { WAITERS };
-        let closed = self.running.load(Ordering::SeqCst) & flags != 0;
+        let closed = self.running.load(Ordering::SeqCst) & (self.flags(node) | WAITERS) != 0;
         if !closed && self.none_announced(announced, context, node) {
             return true;
         }
@@ -187,6 +200,11 @@ impl Exclusion {
             self.ring(context);
         }
         false
+    }
+
+    /// The flags that keep a node out.
+    fn flags(&self, node: u32) -> u64 {
+        if self.masks.is_global(node) { ALL | STILL } else { STILL }
     }
 
     /// Whether no other context has announced a node that conflicts with `node`.
@@ -231,7 +249,7 @@ impl Exclusion {
             self.guard.lock();
         }
         match &self.announced {
-            Some(announced) if node != EVERYTHING => {
+            Some(announced) if !is_of_all(node) => {
                 announced[context].store(node, Ordering::SeqCst);
             }
             _ => {
@@ -264,8 +282,7 @@ impl Exclusion {
         let running = self.running.load(Ordering::SeqCst);
         let free = match &self.announced {
             Some(announced) => {
-                let all = running & ALL != 0 && self.masks.is_global(node);
-                !all && self.none_announced(announced, context, node)
+                running & self.flags(node) == 0 && self.none_announced(announced, context, node)
             }
             None => running & self.masks.need(node) == 0,
         };
@@ -298,7 +315,7 @@ impl Exclusion {
 
     fn is_set(&self, context: usize, node: u32) -> bool {
         match &self.announced {
-            Some(announced) if node != EVERYTHING => {
+            Some(announced) if !is_of_all(node) => {
                 announced[context].load(Ordering::SeqCst) == node
             }
             _ => self.running.load(Ordering::SeqCst) & self.bit(context, node) != 0,
@@ -309,6 +326,7 @@ impl Exclusion {
     fn bit(&self, context: usize, node: u32) -> u64 {
         match node {
             EVERYTHING => ALL,
+            STANDSTILL => STILL,
             _ if self.announced.is_some() => 0,
             _ => self.masks.bit(context, node),
         }

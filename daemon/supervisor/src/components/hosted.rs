@@ -1,12 +1,12 @@
 //! A running component: the runtime's instance, and the state that supervisors need about it.
 
-use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use genom_description::model::{
     Component as Model, Direction, PortIx, RemoteIx, ServiceIx, ServiceKind, Specification,
 };
+use genom_host::Component;
 use genom_middleware::{Address, Quality, Served, Subscription};
 use genom_ports::PortKey;
 use genom_runtime::body::{Body, RemoteCall};
@@ -20,6 +20,7 @@ use serde_json::{Value, json};
 use tracing::Span;
 
 use super::activities::{Activity, ActivityLog};
+use super::build::Build;
 use super::guard::Guard;
 use super::input::{Asked, Completion, InputError};
 use super::spins::{Spin, Spins, times_of};
@@ -31,7 +32,7 @@ use crate::outcome::Outcome;
 use crate::recording::{Call, Recordings};
 use crate::spans;
 use crate::ties::Ties;
-use genom_configuration::{BackendNames, LoadRequest};
+use genom_configuration::BackendNames;
 
 /// The first reply to a request.
 #[derive(Debug)]
@@ -58,10 +59,12 @@ pub type ServedServices = Vec<(ServiceIx, Box<dyn Served>)>;
 pub struct Hosted {
     /// Instance name.
     pub name: String,
-    /// The request by which it was loaded.
-    pub request: LoadRequest,
-    /// Path of the library.
-    pub library: PathBuf,
+    /// What it runs.
+    pub(super) build: Mutex<Build>,
+    /// Its code and memory.
+    pub(super) component: Arc<Component>,
+    /// Locked while its library is exchanged.
+    pub(super) reloading: Mutex<()>,
     /// Its activities: running, and recently ended.
     pub activities: Arc<ActivityLog>,
     /// The connections of its ports and remotes.
@@ -88,10 +91,8 @@ pub struct Hosted {
 pub struct Starting {
     /// Instance name.
     pub name: String,
-    /// The request by which it is loaded.
-    pub request: LoadRequest,
-    /// Path of the library.
-    pub library: PathBuf,
+    /// What it runs.
+    pub build: Build,
     /// The component in compiled form.
     pub plan: Arc<Plan>,
     /// The connections of its ports and remotes.
@@ -112,19 +113,21 @@ impl Hosted {
     /// Starts the tasks and waits for their start codels. The ports must be bound already.
     pub fn start(
         starting: Starting,
-        body: Arc<dyn Body>,
+        component: Arc<Component>,
         mut options: Options,
     ) -> Result<Self, StartError> {
-        let Starting { name, request, library, plan, ties, killed, .. } = starting;
+        let Starting { name, build, plan, ties, killed, .. } = starting;
         let serves_at_once = matches!(options.clock, Clock::Virtual(_));
         let guard = Arc::new(starting.guard);
         let watcher = Arc::new(BusWatcher::new(&starting.bus, &name, &plan, &guard));
         options.watcher = Some(Arc::clone(&watcher) as Arc<dyn Watcher>);
+        let body: Arc<dyn Body> = Arc::clone(&component) as _;
         let instance = Instance::start(Arc::clone(&plan), body, options)?;
         Ok(Self {
             name,
-            request,
-            library,
+            build: Mutex::new(build),
+            component,
+            reloading: Mutex::default(),
             activities: Arc::new(ActivityLog::new(starting.keep_results)),
             ties,
             standing: Arc::default(),

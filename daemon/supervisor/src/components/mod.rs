@@ -3,6 +3,8 @@
 mod activities;
 mod ask;
 mod asked;
+mod build;
+mod exchange;
 mod guard;
 mod hosted;
 mod input;
@@ -19,6 +21,7 @@ mod unload;
 mod watch;
 
 pub use activities::Activity;
+pub use build::Build;
 pub use guard::Guard;
 pub use hosted::{Answer, Heard, Hosted, ServedOn, ServedServices, Starting};
 pub use input::{Asked, InputError, Rest};

@@ -61,9 +61,10 @@ pub(super) fn declared(components: &Components, connections: &Connections) -> De
 pub(super) fn component(hosted: &Hosted) -> LoadRequest {
     let bindings = &hosted.ties.bindings;
     let ports: BTreeMap<String, BackendNames> = bindings.ports();
+    let build = hosted.build();
     LoadRequest {
-        library: hosted.library.clone(),
-        gen_file: hosted
+        library: build.library,
+        gen_file: build
             .request
             .gen_file
             .as_ref()
@@ -73,6 +74,6 @@ pub(super) fn component(hosted: &Hosted) -> LoadRequest {
         ports,
         attributes: hosted.standing.attributes(),
         after: Vec::new(),
-        ..hosted.request.clone()
+        ..build.request
     }
 }

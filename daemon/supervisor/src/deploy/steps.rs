@@ -210,12 +210,13 @@ fn ordered(all: &[LoadRequest]) -> Result<Vec<&LoadRequest>, Contradiction> {
 
 /// Whether a component runs from the library that a request names, however it names it.
 fn is_library(hosted: &Hosted, request: &LoadRequest, path: &[PathBuf]) -> bool {
-    if hosted.request.library == request.library || hosted.library == request.library {
+    let build = hosted.build();
+    if [&build.request.library, &build.library].contains(&&request.library) {
         return true;
     }
     let found = locate(request, path).ok().map(|found| found.library);
     let found = found.and_then(|library| std::path::absolute(library).ok());
-    found.is_some_and(|library| library == hosted.library)
+    found.is_some_and(|library| library == build.library)
 }
 
 /// Steps for a component that is running already.
@@ -230,13 +231,14 @@ fn adapt(
         let place = Spot::component(request).key(["library"]);
         return Err(Contradiction::Other { name, place });
     }
-    let other = if hosted.request.tasks != request.tasks {
+    let runs = hosted.build().request;
+    let other = if runs.tasks != request.tasks {
         Some("other settings of tasks")
-    } else if hosted.request.qos != request.qos {
+    } else if runs.qos != request.qos {
         Some("another quality of service of ports")
-    } else if hosted.request.on_failure != request.on_failure {
+    } else if runs.on_failure != request.on_failure {
         Some("other things to do when it fails")
-    } else if hosted.request.supervision != request.supervision {
+    } else if runs.supervision != request.supervision {
         Some("other rules of supervision")
     } else {
         None

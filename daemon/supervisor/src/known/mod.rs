@@ -42,6 +42,14 @@ pub enum Description {
 }
 
 impl Description {
+    /// Its file, unless it is embedded in a library.
+    pub fn file(&self) -> Option<PathBuf> {
+        match self {
+            Description::File(path) => Some(path.clone()),
+            Description::Embedded { .. } => None,
+        }
+    }
+
     /// Its name in messages.
     pub fn path(&self) -> &Path {
         match self {

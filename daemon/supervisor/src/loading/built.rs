@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Date of a library in UTC; empty if the system does not provide it.
-pub(super) fn date(library: &Path) -> String {
+pub(crate) fn date(library: &Path) -> String {
     let changed = std::fs::metadata(library).and_then(|file| file.modified());
     changed.map(text).unwrap_or_default()
 }

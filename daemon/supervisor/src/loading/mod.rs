@@ -1,7 +1,7 @@
 //! Loads a component: finds, reads, checks, allocates, binds and starts it. If a step fails,
 //! everything is undone.
 
-mod built;
+pub(crate) mod built;
 mod error;
 pub(crate) mod locate;
 mod reactions;
@@ -14,13 +14,13 @@ use std::sync::Arc;
 
 use genom_configuration::{BackendNames, CallEntry, LoadRequest};
 use genom_description::model::{Component as Model, PortDirection, ServiceKind};
-use genom_host::{Component, Contents, OpenError};
+use genom_host::{Component, Contents, Digest, Library, OpenError};
 use genom_nearest::suggest;
 
 use self::locate::Located;
 use self::standard::unload_killed;
-use crate::components::Hosted;
 use crate::components::request::{self, RequestError};
+use crate::components::{Build, Hosted};
 use crate::known::Reading;
 use crate::settings::Settings;
 use crate::supervisor::Supervisor;
@@ -96,13 +96,15 @@ fn bring_up(supervisor: &Arc<Supervisor>, request: &LoadRequest) -> Result<Arc<H
         let name = one.name.to_string();
         masquerades.extend(supervisor.backends.masquerade(&one.template, &name, &one.data)?);
     }
-    let component = open(&mut located, &reading)?;
+    let (component, digest) = open(&mut located, &reading)?;
     component.name_it(&name);
     let plan = Arc::clone(&reading.plan);
     drop(reading);
     // Absolute, because a dump may be read in another directory.
     let library = std::path::absolute(&located.library).unwrap_or(located.library);
-    let hosted = start::start(supervisor, request, name, library, plan, component)?;
+    let description = located.description.file();
+    let build = Build { request: request.clone(), library, digest, description };
+    let hosted = start::start(supervisor, name, build, plan, component)?;
     hosted.ties.wear(masquerades);
     reservation.keep(Arc::clone(&hosted));
     if hosted.killed.is_up() {
@@ -128,21 +130,24 @@ pub fn fit(settings: &Settings, request: &LoadRequest) -> Result<String, LoadErr
 }
 
 /// Opens the library and compares it with the description, unless that was done before.
-fn open(located: &mut Located, reading: &Reading) -> Result<Component, LoadError> {
+pub(crate) fn open(
+    located: &mut Located,
+    reading: &Reading,
+) -> Result<(Component, Digest), LoadError> {
     let contents = match located.contents.take() {
         Some(contents) => contents,
         None => Contents::read(&located.library)?,
     };
     let digest = contents.digest();
-    let library = contents.open().map_err(|error| explain(error, reading))?;
+    let library = Library::of(contents).map_err(|error| explain(error, reading))?;
     let place = |span| reading.place(span);
     if reading.fits(&digest) {
-        return Ok(Component::load_again(library, &reading.plan, &place)?);
+        return Ok((Component::load_again(library, &reading.plan, &place)?, digest));
     }
     tracing::debug!("{}: compared with its description", located.library.display());
     let component = Component::load(library, &reading.plan, &place)?;
     reading.found_to_fit(digest);
-    Ok(component)
+    Ok((component, digest))
 }
 
 /// Explains an undefined symbol that one of the component's own sources defines.
@@ -154,7 +159,7 @@ fn explain(error: OpenError, reading: &Reading) -> LoadError {
     }
 }
 
-fn tell_warnings(located: &Located, reading: &Reading) {
+pub(crate) fn tell_warnings(located: &Located, reading: &Reading) {
     if let Some(warnings) = &reading.warnings {
         tracing::warn!("{}\n{warnings}", located.description.path().display());
     }

@@ -1,33 +1,31 @@
 //! Starts a component whose library is open: binds its ports, starts its tasks, and offers its
 //! services on middlewares.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use genom_host::Component;
 use genom_runtime::Options;
-use genom_runtime::body::Body;
 use genom_runtime::plan::Plan;
 
 use super::built;
 use super::error::LoadError;
 use super::standard::StandardServices;
 use super::supervision;
-use crate::components::{Guard, Hosted, Starting};
+use crate::components::{Build, Guard, Hosted, Starting};
 use crate::flag::Flag;
 use crate::supervisor::Supervisor;
 use crate::ties::{Bindings, Ties};
-use genom_configuration::{BackendNames, LoadRequest, terms};
+use genom_configuration::{BackendNames, terms};
 
 /// Binds the ports, then starts the tasks and waits for their start codels.
 pub(super) fn start(
     supervisor: &Arc<Supervisor>,
-    request: &LoadRequest,
     name: String,
-    library: PathBuf,
+    build: Build,
     plan: Arc<Plan>,
     component: Component,
 ) -> Result<Arc<Hosted>, LoadError> {
+    let request = build.request.clone();
     let default = || BackendNames::one(supervisor.settings.backend.as_str());
     let backend = request.backend.clone().unwrap_or_else(default);
     let bindings = Bindings::new(backend.clone(), request.ports.clone(), request.qos.clone());
@@ -38,7 +36,7 @@ pub(super) fn start(
     let mut options = Options::new(name.as_str(), services);
     options.clock = supervisor.clock.clone();
     options.execution = supervisor.execution.clone();
-    options.date = built::date(&library);
+    options.date = built::date(&build.library);
     options.start_timeout = Some(supervisor.settings.start_timeout);
     let weak = Arc::downgrade(supervisor);
     options.give_up = Some(Arc::new(move || {
@@ -50,14 +48,13 @@ pub(super) fn start(
         let refused = |source| LoadError::Override { name: name.clone(), source };
         options.tasks.insert(task.clone(), terms::task_options(entry).map_err(refused)?);
     }
-    options.rules = supervision::rules(request, plan.component())
+    options.rules = supervision::rules(&request, plan.component())
         .map_err(|source| LoadError::Supervision { name: name.clone(), source })?;
     let (bus, reactions) = (&supervisor.bus, &supervisor.reactions);
     let guard = Guard::new(&name, bus, reactions, &request.supervision);
     let starting = Starting {
         name: name.clone(),
-        request: request.clone(),
-        library,
+        build,
         plan,
         ties,
         killed,
@@ -66,8 +63,7 @@ pub(super) fn start(
         recordings: Arc::clone(&supervisor.recordings),
         keep_results: supervisor.settings.keep_results,
     };
-    let body: Arc<dyn Body> = Arc::new(component);
-    let hosted = match Hosted::start(starting, body, options) {
+    let hosted = match Hosted::start(starting, Arc::new(component), options) {
         Ok(hosted) => Arc::new(hosted),
         Err(error) => return Err(LoadError::Start { name, why: error.to_string() }),
     };

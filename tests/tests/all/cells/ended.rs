@@ -24,6 +24,23 @@ fn a_codel_that_crashes_takes_down_its_cell_alone() {
 }
 
 #[test]
+fn a_codel_that_raises_the_signal_to_stop_takes_nothing_out_of_its_cell() {
+    let daemon = Daemon::start(&[]);
+    let mut events = daemon.events();
+    load(&daemon, "leaves", &["--isolated"]);
+    // It may still be answered: the process stops in order.
+    let _ = daemon.ctl(&["call", "leaves", "terminate"]);
+    let ended = events.wait_for(|e| {
+        let kind = &e["event"];
+        assert!(kind != "component_unloaded" && kind != "stopping", "{e}");
+        kind == "cell_ended"
+    });
+    assert_eq!((&ended["why"], &ended["restarts"]), (&json!("exit status 1"), &json!(true)));
+    events.wait_for(|e| e["event"] == "cell_runs");
+    daemon.ctl(&["call", "leaves", "small"]).expect_code(1).expect_err("::genom::unkex");
+}
+
+#[test]
 fn what_was_in_a_cell_comes_back_configured_and_wired() {
     let home = Home::new().configured(&mission("attributes = { set_speed = { velocity = 2.0 } }"));
     let daemon = home.start(&[]);

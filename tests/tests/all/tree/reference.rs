@@ -15,6 +15,11 @@ const ELSEWHERE: &[(&str, &str, &str)] = &[
         "mistakes_are_told_when_a_text_is_opened_and_go_when_they_are_corrected",
     ),
     (
+        "reload",
+        "tests/tests/all/reload/kept.rs",
+        "while_time_goes_on_the_new_code_goes_on_in_the_state_of_the_old",
+    ),
+    (
         "record",
         "tests/tests/all/control_plane/recording.rs",
         "a_recording_is_read_back_by_others_with_calls_activities_and_exceptions",

@@ -108,26 +108,3 @@ pub enum OpenError {
         path: PathBuf,
     },
 }
-
-/// The dynamic linker could not open a file.
-#[derive(Debug, thiserror::Error)]
-#[error("{said}")]
-pub(super) struct LinkError {
-    /// Its message, without the name of the file.
-    pub(super) said: String,
-}
-
-impl OpenError {
-    /// Converts the dynamic linker's message about the copy of `path`.
-    pub(super) fn from_linker(path: PathBuf, error: &LinkError) -> Self {
-        let said = error.said.as_str();
-        if let Some((_, symbol)) = said.split_once("undefined symbol: ") {
-            let symbol = symbol.split([',', ' ']).next().unwrap_or(symbol).to_owned();
-            return Self::UndefinedSymbol { path, symbol };
-        }
-        if let Some((dependency, _)) = said.split_once(": cannot open shared object file") {
-            return Self::MissingDependency { path, dependency: dependency.to_owned() };
-        }
-        Self::Refused { path, why: said.to_owned() }
-    }
-}

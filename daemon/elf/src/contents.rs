@@ -5,14 +5,16 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest as _, Sha256};
 
-use super::elf::{self, EmbeddedDescription};
-use super::error::OpenError;
+use crate::error::OpenError;
+use crate::read::{self, EmbeddedDescription};
 
 /// The content of a library file for this machine. No code of it runs yet.
 #[derive(Debug)]
 pub struct Contents {
-    pub(super) path: PathBuf,
-    pub(super) bytes: Vec<u8>,
+    /// The file.
+    pub path: PathBuf,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
 }
 
 /// Identifies contents: a SHA-256.
@@ -24,8 +26,8 @@ impl Contents {
     /// # Errors
     /// The file is missing, truncated or damaged, or no shared object for this machine.
     pub fn read(path: &Path) -> Result<Self, OpenError> {
-        let bytes = elf::read(path)?;
-        elf::check(path, &bytes)?;
+        let bytes = read::read(path)?;
+        read::check(path, &bytes)?;
         Ok(Self { path: path.to_owned(), bytes })
     }
 
@@ -34,7 +36,7 @@ impl Contents {
     /// # Errors
     /// The symbol exists but is not text.
     pub fn description(&self) -> Result<Option<EmbeddedDescription>, OpenError> {
-        elf::description_of(&self.path, &self.bytes)
+        read::description_of(&self.path, &self.bytes)
     }
 
     /// A hash of the content, independent of the file's name and date.

@@ -1,0 +1,12 @@
+//! Files of shared libraries, read without loading them: no code of them runs.
+
+#![forbid(unsafe_code)]
+
+mod contents;
+mod error;
+mod read;
+
+pub use contents::{Contents, Digest};
+pub use error::OpenError;
+pub use read::{EmbeddedDescription, Finishers, Segment, description_of, finishers};
+pub use read::{mangled, needs, segments, uses_origin};
