@@ -357,7 +357,10 @@ impl Cell {
         self.with(|state| state.pid = Some(process.pid()));
         let limit = self.setup.settings.ready_timeout;
         tokio::select! {
-            end = process.ended() => return self.place.taken_refusal().map_or(end, End::Refused),
+            end = process.ended() => return match self.place.taken_refusal() {
+                Some(why) => End::Refused(why),
+                None => self.for_a_rule(end).await,
+            },
             ready = timeout(limit, self.ready()) => if ready.is_err() {
                 return self.kill_for(process, End::NotReady(limit)).await;
             },
@@ -376,12 +379,9 @@ impl Cell {
         tokio::select! {
             end = process.ended() => {
                 let _ = timeout(NOTICE, &mut follow).await;
-                self.place.taken_broken_rule().map_or(end, End::Supervised)
+                self.for_a_rule(end).await
             },
-            () = &mut follow => {
-                let end = process.ended().await;
-                self.place.taken_broken_rule().map_or(end, End::Supervised)
-            }
+            () = &mut follow => self.for_a_rule(process.ended().await).await,
             limit = self.silent() => self.kill_for(process, End::Silent(limit)).await,
             () = self.told_to_stop() => self.stop(process).await,
         }

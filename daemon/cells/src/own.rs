@@ -18,7 +18,7 @@ use genom_configuration::{
 use genom_host::keep_from_children;
 use genom_limits::{Grants, LimitError};
 use genom_supervisor::Supervisor;
-use genom_supervisor::bus::Heard;
+use genom_supervisor::bus::{Change, Heard};
 use rustix::fs::StatVfsMountFlags;
 use rustix::process::{Resource, Rlimit, Signal, getpid, getrlimit, kill_process, setrlimit};
 use tokio::io::AsyncReadExt as _;
@@ -75,10 +75,10 @@ impl OwnCell {
     /// Ends this process as a crash of that thread does, so that its daemon starts it again, also a
     /// daemon that comes later. The thread is in a codel that has not returned: the report of the
     /// crash shows where.
-    pub(crate) fn end(&self, why: &str, thread: Option<u32>) {
+    pub(crate) fn end(&self, violation: &Change, why: &str, thread: Option<u32>) {
         tracing::error!("this cell ends: {why}");
-        if let Err(error) = std::fs::write(self.place.broken_rule(), why) {
-            tracing::warn!("{}: {error}", self.place.broken_rule().display());
+        if let Err(error) = self.place.write_broken_rule(violation, why) {
+            tracing::warn!("why it ends is not written down: {error}");
         }
         genom_host::abort_in(thread);
         // A codel may block the signal, or its stack be of no use.

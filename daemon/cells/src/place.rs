@@ -8,8 +8,12 @@ use std::ffi::OsStr;
 use std::fs::{self, DirBuilder};
 use std::io::{self, Read as _};
 use std::os::unix::ffi::OsStrExt as _;
-use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _};
+use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, OpenOptionsExt as _};
 use std::path::{Path, PathBuf};
+
+use genom_protocol::Change;
+use rustix::fs::OFlags;
+use serde_json::Value;
 
 /// Longest path of a Unix socket, in bytes (`sun_path`, with its final 0).
 const LONGEST: usize = 107;
@@ -190,14 +194,21 @@ impl Place {
         taken(&self.refusal())
     }
 
-    /// Why it ended itself, when a rule of its supervision was broken.
-    pub(crate) fn broken_rule(&self) -> PathBuf {
-        self.0.join("broken-rule")
+    /// Writes down, for the daemon, why a cell ends itself: a rule of its supervision was broken.
+    pub(crate) fn write_broken_rule(&self, violation: &Change, why: &str) -> io::Result<()> {
+        let event = serde_json::to_string(violation).map_err(io::Error::other)?;
+        fs::write(self.broken_rule(), format!("{}\n{event}", why.replace('\n', " ")))
     }
 
-    /// What it wrote there, which is removed.
-    pub(crate) fn taken_broken_rule(&self) -> Option<String> {
-        taken(&self.broken_rule())
+    /// What it wrote there: why, and the event that tells the violation. The file is removed.
+    pub(crate) fn taken_broken_rule(&self) -> Option<(String, Value)> {
+        let text = taken(&self.broken_rule())?;
+        let (why, event) = text.split_once('\n').unwrap_or((&text, ""));
+        Some((why.to_owned(), serde_json::from_str(event).unwrap_or_default()))
+    }
+
+    fn broken_rule(&self) -> PathBuf {
+        self.0.join("broken-rule")
     }
 
     /// The number of its process.
@@ -210,17 +221,51 @@ impl Place {
 /// Most of what is read of a text that a cell wrote, in bytes.
 const MOST: u64 = 4096;
 
-/// What a cell wrote into a file, on one line; the file is removed.
+/// What a cell wrote into a file, which is removed. A cell in a sandbox may have put anything in its
+/// place: what is no file is not read.
 fn taken(file: &Path) -> Option<String> {
     let mut text = Vec::new();
-    fs::File::open(file).ok()?.take(MOST).read_to_end(&mut text).ok()?;
+    let flags = OFlags::NOFOLLOW | OFlags::NONBLOCK;
+    let flags = i32::try_from(flags.bits()).unwrap_or_default();
+    let opened = fs::File::options().read(true).custom_flags(flags).open(file);
     let _ = fs::remove_file(file);
+    let opened =
+        opened.ok().filter(|opened| opened.metadata().is_ok_and(|found| found.is_file()))?;
+    opened.take(MOST).read_to_end(&mut text).ok()?;
     let text = String::from_utf8_lossy(&text);
     Some(text.chars().map(|c| if c.is_control() && c != '\n' { ' ' } else { c }).collect())
 }
 
 #[cfg(test)]
 mod tests {
+    #[test]
+    fn what_a_cell_put_in_place_of_a_text_is_not_read() {
+        let scratch = tempfile::tempdir().unwrap();
+        let place = Place(scratch.path().to_owned());
+        let told = Change::Stopping {};
+        place.write_broken_rule(&told, "a\nb").unwrap();
+        let (why, event) = place.taken_broken_rule().unwrap();
+        assert_eq!((why.as_str(), event["event"].as_str()), ("a b", Some("stopping")));
+        assert_eq!(place.taken_broken_rule(), None);
+        fs::write(scratch.path().join("secret"), "secret").unwrap();
+        for put in ["symlink", "fifo", "directory"] {
+            let at = place.broken_rule();
+            match put {
+                "symlink" => std::os::unix::fs::symlink("secret", &at).unwrap(),
+                "fifo" => {
+                    let mode = rustix::fs::Mode::RUSR | rustix::fs::Mode::WUSR;
+                    let kind = rustix::fs::FileType::Fifo;
+                    rustix::fs::mknodat(rustix::fs::CWD, &at, kind, mode, 0).unwrap();
+                }
+                _ => fs::create_dir(&at).unwrap(),
+            }
+            assert_eq!(place.taken_broken_rule(), None, "{put}");
+        }
+        fs::remove_dir(place.broken_rule()).unwrap();
+        fs::write(place.broken_rule(), vec![b'x'; 1 << 20]).unwrap();
+        assert_eq!(place.taken_broken_rule().unwrap().0.len(), 4096);
+    }
+
     use std::os::unix::fs::PermissionsExt as _;
 
     use super::*;

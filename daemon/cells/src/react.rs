@@ -60,9 +60,9 @@ impl Reactor for Rules {
         let _ = self.failures.send(failure);
     }
 
-    fn restart(&self, why: &str, thread: Option<u32>) {
+    fn restart(&self, violation: &Change, why: &str, thread: Option<u32>) {
         match &self.own {
-            Some((_, own)) => own.end(why, thread),
+            Some((_, own)) => own.end(violation, why, thread),
             None => tracing::error!("supervision: the daemon's own process is not restarted"),
         }
     }

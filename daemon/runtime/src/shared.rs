@@ -18,8 +18,7 @@ use crate::plan::Plan;
 use crate::rules::{Fact, Rules, Seen, Supervised};
 use crate::task::call::Call;
 use crate::task::hurry::Hurry;
-use crate::task::rhythm::RESPONSE;
-use crate::task::timing::Timing;
+use crate::task::timing::{RESPONSE, Timing};
 
 /// Shared by the threads of one instance.
 pub(crate) struct Shared {

@@ -6,6 +6,8 @@ use std::time::Instant;
 
 use genom_configuration::Reaction;
 
+use crate::bus::Change;
+
 /// Things to do of other components.
 #[derive(Clone, Debug)]
 pub struct Asked {
@@ -21,9 +23,9 @@ pub struct Asked {
 pub trait Reactor: Send + Sync {
     /// Does things of other components.
     fn react(&self, asked: Asked);
-    /// Ends this process by a fault, so that it is started again. `thread` is in a codel that has
-    /// not returned.
-    fn restart(&self, why: &str, thread: Option<u32>);
+    /// Ends this process by a fault, so that it is started again, and has the violation told: this
+    /// process may end before it could. `thread` is in a codel that has not returned.
+    fn restart(&self, violation: &Change, why: &str, thread: Option<u32>);
 }
 
 /// The reactor of a program, once it is there.

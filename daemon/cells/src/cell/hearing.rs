@@ -6,6 +6,7 @@ use std::sync::PoisonError;
 use genom_protocol::{Change, Crash, CrashReport};
 
 use super::Cell;
+use super::supervised::VIOLATED;
 use crate::crashes::Known;
 use crate::end::End;
 use crate::follow::Events;
@@ -40,7 +41,7 @@ impl Cell {
                         self.ask_to_stop();
                     }
                 }
-                if change["event"] == "supervision_violated" {
+                if change["event"] == VIOLATED {
                     self.supervised(&change).await;
                 }
                 self.setup.tell(Told::Change(change));

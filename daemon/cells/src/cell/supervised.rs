@@ -7,14 +7,29 @@ use genom_protocol::routes;
 use serde_json::Value;
 
 use super::Cell;
+use crate::end::End;
 use crate::journal;
 use crate::policy::First;
 use crate::setup::{Cause, Failure, Told};
+
+/// The event that tells a broken rule.
+pub(super) const VIOLATED: &str = "supervision_violated";
 
 /// Broken rules of one cell for which something is done of other components, in a second.
 const MOST_A_SECOND: u32 = 64;
 
 impl Cell {
+    /// Why its process ended, if that was for a broken rule; tells that and has done what is to be
+    /// done.
+    pub(super) async fn for_a_rule(&self, end: End) -> End {
+        let Some((why, change)) = self.place.taken_broken_rule() else { return end };
+        if change["event"] == VIOLATED {
+            self.supervised(&change).await;
+            self.setup.tell(Told::Change(change));
+        }
+        End::Supervised(why)
+    }
+
     /// Has done what the broken rule asks for, but for what concerns components in this cell: it
     /// does that itself.
     pub(super) async fn supervised(&self, change: &Value) {

@@ -5,12 +5,8 @@
 
 use super::core::Passed;
 use super::runner::Runner;
-use super::timing::Timing;
+use super::timing::{RESPONSE, Timing};
 use crate::shared::TaskShared;
-
-/// Time within which an aperiodic task is to respond, in nanoseconds; it has no period that would
-/// say.
-pub(crate) const RESPONSE: u64 = 10_000_000;
 
 /// When the next pass is due.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

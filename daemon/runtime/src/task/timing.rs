@@ -1,5 +1,9 @@
 //! Dates of a task's ticks (genom3.md 7.4).
 
+/// Time within which an aperiodic task is to respond, in nanoseconds; it has no period that would
+/// say.
+pub(crate) const RESPONSE: u64 = 10_000_000;
+
 /// Ticks of a periodic task: at `epoch + delay + n * period`, in nanoseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Timing {

@@ -91,29 +91,32 @@ impl Guard {
             "{what}: {} supervision, {text}{again}; {responses}",
             kind.name()
         );
+        let told = Change::SupervisionViolated {
+            component: self.component.clone(),
+            index: violation.rule,
+            rule: text.clone(),
+            kind,
+            what: what.clone(),
+            activity: violation.activity.map(u64::from),
+            violations: *count,
+            reactions: rule.responses.clone(),
+        };
+        let reactor = || self.reactions.get();
+        if rule.entry.does(OwnResponse::Restart)
+            && let Some(reactor) = reactor()
+        {
+            // Whoever sees the end does the rest.
+            let why = format!("{} supervision of {}: {what}", kind.name(), self.component);
+            return reactor.restart(&told, &why, violation.thread);
+        }
         if rule.entry.responses().iter().any(|one| !one.is(OwnResponse::Log)) {
-            self.bus.tell(&Change::SupervisionViolated {
-                component: self.component.clone(),
-                index: violation.rule,
-                rule: text.clone(),
-                kind,
-                what: what.clone(),
-                activity: violation.activity.map(u64::from),
-                violations: *count,
-                reactions: rule.responses.clone(),
-            });
+            self.bus.tell(&told);
         }
         let reactions: Vec<Reaction> = rule.entry.others().cloned().collect();
         if !reactions.is_empty()
-            && let Some(reactor) = self.reactions.get()
+            && let Some(reactor) = reactor()
         {
             reactor.react(Asked { component: self.component.clone(), reactions, seen });
-        }
-        if rule.entry.does(OwnResponse::Restart)
-            && let Some(reactor) = self.reactions.get()
-        {
-            let why = format!("{} of {}: {what}", rule.kind.name(), self.component);
-            reactor.restart(&why, violation.thread);
         }
     }
 }
