@@ -258,7 +258,10 @@ impl Cell {
         }
         loop {
             let end = match found.take() {
-                Some(process) => self.run(&process, true).await,
+                Some(process) => {
+                    self.setup.boxes.adopt(&self.name, process.pid());
+                    self.run(&process, true).await
+                }
                 None => self.start_and_run().await,
             };
             self.report(&end);
@@ -341,8 +344,11 @@ impl Cell {
         // Of a process whose end no daemon saw.
         let _ = self.place.taken_broken_rule();
         let started = match self.setup.write_config(&self.name, &self.place) {
-            Ok(()) => Process::start(&self.setup.program, &self.name, &self.place)
-                .map_err(|error| error.to_string()),
+            Ok(()) => {
+                let memory = self.setup.boxes.begin(&self.name);
+                Process::start(&self.setup.program, &self.name, &self.place, memory.as_deref())
+                    .map_err(|error| error.to_string())
+            }
             Err(error) => Err(error.to_string()),
         };
         match started {

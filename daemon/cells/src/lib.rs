@@ -13,6 +13,7 @@
 #![forbid(unsafe_code)]
 
 mod asking;
+mod blackbox;
 mod cell;
 mod cells;
 mod client;
@@ -29,8 +30,11 @@ mod react;
 pub mod record;
 mod remains;
 mod setup;
+mod shelf;
+mod unmatched;
 mod wire;
 
+pub use blackbox::{BlackBoxes, Lease, SaveError};
 pub use cell::{Cell, Down};
 pub use cells::{Cells, OpenError};
 pub use client::AskError;

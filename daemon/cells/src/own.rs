@@ -3,12 +3,13 @@
 
 use std::fs::{File, OpenOptions};
 use std::io;
-use std::os::fd::OwnedFd;
 use std::os::unix::fs::OpenOptionsExt as _;
+use std::os::unix::net::UnixStream as StdStream;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use crate::blackbox::Lease;
 use crate::journal;
 use crate::place::Place;
 use genom_configuration::{
@@ -21,7 +22,7 @@ use genom_supervisor::bus::Heard;
 use rustix::fs::StatVfsMountFlags;
 use rustix::process::{Resource, Rlimit, Signal, getpid, getrlimit, kill_process, setrlimit};
 use tokio::io::AsyncReadExt as _;
-use tokio::net::unix::pipe;
+use tokio::net::UnixStream;
 
 /// Changes within this time are written down together.
 const TOGETHER: Duration = Duration::from_millis(20);
@@ -197,21 +198,24 @@ pub fn share(request: &mut LoadRequest) {
     }
 }
 
-/// The standard input, which the daemon holds open as long as it lives; codels get none.
+/// The standard input, which the daemon holds open as long as it lives, and what came with it;
+/// codels get none.
 ///
 /// # Errors
 /// The system refuses.
-pub fn take_lease() -> io::Result<OwnedFd> {
+pub fn take_lease() -> io::Result<Lease> {
     let lease = rustix::io::fcntl_dupfd_cloexec(rustix::stdio::stdin(), 3)?;
     keep_from_children(&lease);
     rustix::stdio::dup2_stdin(File::open("/dev/null")?)?;
-    Ok(lease)
+    Ok(Lease::new(lease))
 }
 
 /// Waits for the end of the daemon that started this process, and does what was configured.
-pub async fn outlive(lease: OwnedFd, then: WithoutDaemon, supervisor: Arc<Supervisor>) {
-    let Ok(mut lease) = pipe::Receiver::from_owned_fd(lease) else { return };
-    // Nothing is ever written there.
+pub async fn outlive(lease: Lease, then: WithoutDaemon, supervisor: Arc<Supervisor>) {
+    let socket = StdStream::from(lease.daemon);
+    let opened = socket.set_nonblocking(true).and_then(|()| UnixStream::from_std(socket));
+    let Ok(mut lease) = opened else { return };
+    // Nothing is written there but what was taken already.
     while lease.read(&mut [0; 64]).await.is_ok_and(|count| count > 0) {}
     match then {
         WithoutDaemon::Continue => tracing::warn!("the daemon has ended; this cell goes on"),

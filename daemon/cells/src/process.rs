@@ -3,12 +3,14 @@
 use std::fs;
 use std::io;
 use std::os::fd::{AsFd as _, OwnedFd};
+use std::os::unix::net::UnixStream;
 use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
-use std::process::{ChildStdin, Command, Stdio};
+use std::process::Command;
 use std::sync::Arc;
 use std::thread;
 
+use genom_blackbox::Memory;
 use rustix::event::{PollFd, PollFlags, poll};
 use rustix::io::Errno;
 use rustix::process::{
@@ -16,6 +18,7 @@ use rustix::process::{
 };
 use tokio::sync::watch;
 
+use crate::blackbox::lend;
 use crate::end::End;
 use crate::place::Place;
 use crate::remains;
@@ -30,8 +33,8 @@ pub(crate) struct Process {
     handle: Arc<OwnedFd>,
     /// How it ended, once it has.
     end: watch::Receiver<Option<End>>,
-    /// Its standard input, which the child sees closed when this daemon ends.
-    _lease: Option<ChildStdin>,
+    /// The other end of its standard input, which the child sees closed when this daemon ends.
+    _lease: Option<UnixStream>,
 }
 
 impl Process {
@@ -39,7 +42,13 @@ impl Process {
     /// `posix_spawn`: a fork would copy the page tables of the daemon while its real-time threads
     /// run, which costs them periods. In a process group of its own it gets no signal of the
     /// daemon's terminal.
-    pub(crate) fn start(program: &Path, name: &str, place: &Place) -> io::Result<Self> {
+    pub(crate) fn start(
+        program: &Path,
+        name: &str,
+        place: &Place,
+        memory: Option<&Memory>,
+    ) -> io::Result<Self> {
+        let (lease, theirs) = lend(memory)?;
         let mut command = Command::new(program);
         command
             .arg("--run-cell")
@@ -49,17 +58,15 @@ impl Process {
             // The variable by which users choose the daemon's would come before the file.
             .env_remove("GENOMD_SOCKET")
             .env(remains::MARK, place.directory())
-            .stdin(Stdio::piped())
+            .stdin(theirs)
             .process_group(0);
         if place.temporary().is_dir() {
             command.env("TMPDIR", place.temporary());
         }
-        let mut child = command.spawn()?;
-        let pid = Pid::from_child(&child);
-        let lease = child.stdin.take();
+        let pid = Pid::from_child(&command.spawn()?);
         // For a daemon that comes after this one, when the cell does not answer it.
         fs::write(place.pid(), pid.as_raw_nonzero().to_string())?;
-        Self::of(pid, lease, Some(place))
+        Self::of(pid, Some(lease), Some(place))
     }
 
     /// A process that another daemon started, or this one before. With a place, what its codels
@@ -69,7 +76,7 @@ impl Process {
         Self::of(pid.ok_or(Errno::SRCH)?, None, place)
     }
 
-    fn of(pid: Pid, lease: Option<ChildStdin>, place: Option<&Place>) -> io::Result<Self> {
+    fn of(pid: Pid, lease: Option<UnixStream>, place: Option<&Place>) -> io::Result<Self> {
         let place = place.cloned();
         let handle = Arc::new(pidfd_open(pid, PidfdFlags::empty())?);
         let (told, end) = watch::channel(None);

@@ -17,6 +17,9 @@ use crate::cells::{Cells, OpenError};
 /// Changes of cells are told on by the daemon, which records them with its own.
 const CHANGES: &str = "/genom/changes";
 
+/// Channels of a recording: their numbers have 16 bits.
+const MOST: usize = 1 << 16;
+
 /// Pieces of streams that wait to be merged.
 const WAITING: usize = 8;
 
@@ -41,7 +44,8 @@ struct Merger {
     samples: HashMap<u16, u32>,
     /// Samples lost, by channel and source.
     lost: HashMap<u16, HashMap<usize, u64>>,
-    next: u16,
+    /// Channels that were begun; a recording has [`MOST`] at most.
+    begun: usize,
 }
 
 impl Merger {
@@ -74,8 +78,12 @@ impl Merger {
         let here = match self.by_topic.get(&channel.topic) {
             Some(&known) => known,
             None => {
-                let new = self.next;
-                self.next = self.next.saturating_add(1);
+                let Ok(new) = u16::try_from(self.begun) else {
+                    let topic = channel.topic;
+                    tracing::warn!("{topic} is not recorded: a recording has {MOST} channels");
+                    return;
+                };
+                self.begun += 1;
                 self.by_topic.insert(channel.topic.clone(), new);
                 Frame::Channel(Channel { channel: new, ..channel }).append(out);
                 new
@@ -302,6 +310,20 @@ mod tests {
                 "0 lost 5"
             ]
         );
+    }
+
+    #[test]
+    fn no_two_channels_have_one_number_however_many_there_are() {
+        let (mut merger, mut out) = (Merger::default(), Vec::new());
+        for number in 0..MOST + 2 {
+            let of = (number % MOST) as u16;
+            merger.take(number / MOST, channel(of, &format!("/a/{number}")), &mut out);
+        }
+        let told = all(&out);
+        assert_eq!((told.len(), told.last().unwrap().as_str()), (MOST, "65535 /a/65535"));
+        out.clear();
+        merger.take(1, sample(1, 0, &[1]), &mut out);
+        assert!(out.is_empty(), "it has no channel");
     }
 
     #[test]

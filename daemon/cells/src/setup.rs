@@ -4,6 +4,7 @@ use std::fs::{self, DirBuilder};
 use std::io;
 use std::os::unix::fs::DirBuilderExt as _;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use genom_configuration::{CellLimits, CellSettings, Config, Deployment, Reaction};
@@ -11,6 +12,7 @@ use genom_protocol::Change;
 use rustix::process::Signal;
 use serde_json::Value;
 
+use crate::blackbox::BlackBoxes;
 use crate::crashes::Reports;
 use crate::end::End;
 use crate::place::Place;
@@ -27,6 +29,8 @@ pub struct Setup {
     pub settings: CellSettings,
     /// Reports of those that crashed.
     pub reports: Reports,
+    /// What they did last.
+    pub boxes: Arc<BlackBoxes>,
     /// How long a component may take to stop.
     pub stop_timeout: Duration,
     /// Hears what cells tell, and what becomes of them.
@@ -175,6 +179,7 @@ mod tests {
                 &genom_configuration::CrashesSection::default(),
                 std::path::Path::new("/s"),
             ),
+            boxes: Arc::new(BlackBoxes::new(&genom_configuration::BlackBoxSection::default())),
             socket: PathBuf::new(),
             config: Config::parse(Path::new("robot.toml"), config).unwrap(),
             settings: CellSettings::default(),

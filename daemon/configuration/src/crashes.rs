@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use crate::states::state;
+
 /// Section `[crashes]`.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
@@ -30,11 +32,6 @@ impl CrashesSection {
     /// `~/.local/state`; `None` without any of them.
     #[must_use]
     pub fn place(&self) -> Option<PathBuf> {
-        let variable = |name| std::env::var_os(name).map(PathBuf::from);
-        let absolute = |path: &PathBuf| path.is_absolute();
-        let state = variable("XDG_STATE_HOME").filter(absolute);
-        let home = || variable("HOME").filter(absolute).map(|home| home.join(".local/state"));
-        let own = || Some(state.or_else(home)?.join("genomd/crashes"));
-        self.directory.clone().or_else(own)
+        self.directory.clone().or_else(|| Some(state()?.join("genomd/crashes")))
     }
 }

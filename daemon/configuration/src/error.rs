@@ -39,6 +39,9 @@ pub enum UsageError {
     /// A number of `[cells.limits]` or `[cell.NAME]`.
     #[error("{key} = {value}: {what}")]
     Limit { key: String, value: i128, what: String },
+    /// A value of `[blackbox]`.
+    #[error("blackbox.{key} = {value}: {what}")]
+    BlackBox { key: String, value: String, what: String },
     /// A pattern of `[services]` is malformed.
     #[error(
         "[services]: `{0}` is no pattern of services: write BACKEND:COMPONENT/SERVICE or \

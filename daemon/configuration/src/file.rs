@@ -12,6 +12,7 @@ use genom_registry::{Sections, check};
 use genom_runtime::{ACTIVITY_LIMIT, STUCK_AFTER};
 use serde::{Deserialize, Serialize};
 
+use crate::blackbox::BlackBoxSection;
 use crate::cells::CellsSection;
 use crate::crashes::CrashesSection;
 use crate::error::{ConfigError, UsageError, WhichDaemon};
@@ -58,6 +59,8 @@ pub struct Config {
     pub cells: CellsSection,
     /// Reports of cells that crashed.
     pub crashes: CrashesSection,
+    /// What is kept of the last seconds.
+    pub blackbox: BlackBoxSection,
     /// What single cells may use, by their names.
     pub cell: BTreeMap<String, CellLimits>,
     /// Which services are offered on which middlewares.
@@ -117,6 +120,7 @@ impl Default for Config {
             rpc: Rpc::default(),
             cells: CellsSection::default(),
             crashes: CrashesSection::default(),
+            blackbox: BlackBoxSection::default(),
             cell: BTreeMap::new(),
             services: Offers::default(),
             telemetry: Telemetry::default(),
@@ -153,7 +157,8 @@ impl Config {
     pub fn anchor(&mut self, path: &Path) {
         let base = path.parent().unwrap_or(Path::new(""));
         self.path.iter_mut().chain(&mut self.include).for_each(|dir| anchor(base, dir));
-        self.crashes.directory.iter_mut().for_each(|directory| anchor(base, directory));
+        let states = self.crashes.directory.iter_mut().chain(&mut self.blackbox.directory);
+        states.for_each(|directory| anchor(base, directory));
         self.rpc.token_file.iter_mut().for_each(|file| anchor(base, file));
         if let Some(tls) = &mut self.rpc.tls {
             let files = [&mut tls.cert, &mut tls.key].into_iter().chain(&mut tls.client_ca);

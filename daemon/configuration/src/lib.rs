@@ -6,6 +6,7 @@
 
 #![forbid(unsafe_code)]
 
+mod blackbox;
 mod cells;
 mod crashes;
 mod error;
@@ -14,11 +15,14 @@ pub mod levels;
 mod limits;
 mod offers;
 mod overrides;
+mod pattern;
 pub mod place;
 mod rpc;
 mod spot;
+mod states;
 pub mod terms;
 
+pub use blackbox::{BlackBoxReason, BlackBoxSection, is_one_of};
 pub use cells::{CellSettings, CellsSection, WithoutDaemon};
 pub use crashes::CrashesSection;
 pub use error::{
@@ -32,5 +36,6 @@ pub use genom_protocol::{
 };
 pub use limits::CellLimits;
 pub use offers::Offers;
+pub use pattern::matches;
 pub use rpc::{Rpc, RpcSettings, Tls};
 pub use spot::Spot;

@@ -5,6 +5,7 @@ use genom_registry::known;
 use serde::{Deserialize, Serialize};
 
 use crate::error::UsageError;
+use crate::pattern::matches;
 
 /// Section `[services]`: patterns `BACKEND:COMPONENT/SERVICE`, with `*` for any run of characters;
 /// without a backend a pattern applies to all of them. `deny` takes precedence over `allow`.
@@ -60,49 +61,9 @@ fn parts(pattern: &str) -> (Option<&str>, &str) {
     pattern.split_once(':').map_or((None, pattern), |(backend, rest)| (Some(backend), rest))
 }
 
-/// Whether a text matches a pattern, where `*` stands for any run of characters.
-fn matches(pattern: &str, text: &str) -> bool {
-    let mut pieces = pattern.split('*');
-    let first = pieces.next().unwrap_or_default();
-    let Some(mut rest) = text.strip_prefix(first) else { return false };
-    let Some(last) = pieces.next_back() else { return rest.is_empty() };
-    for piece in pieces {
-        // Matching the first occurrence is sufficient: it leaves the longest rest for the pieces
-        // that follow.
-        let Some((_, after)) = rest.split_once(piece) else { return false };
-        rest = after;
-    }
-    rest.ends_with(last)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_star_stands_for_anything() {
-        for (pattern, text) in [
-            ("*", ""),
-            ("*", "demo/kill"),
-            ("*/kill", "demo/kill"),
-            ("demo/*", "demo/kill"),
-            ("d*o/*_*", "demo/set_speed"),
-            ("demo/kill", "demo/kill"),
-            ("*a*a", "aa"),
-        ] {
-            assert!(matches(pattern, text), "{pattern} {text}");
-        }
-        for (pattern, text) in [
-            ("demo", "demo/kill"),
-            ("*/kill", "demo/kill2"),
-            ("demo/*", "demo2/x"),
-            ("", "x"),
-            ("a*a", "a"),
-            ("*a*a", "a"),
-        ] {
-            assert!(!matches(pattern, text), "{pattern} {text}");
-        }
-    }
 
     #[test]
     fn by_default_what_supervisors_do_stays_on_this_machine() {

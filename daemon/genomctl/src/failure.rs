@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use genom_protocol::{Code, Reason};
+use genom_recording::WriteError;
 use serde_json::{Value, json};
 
 use crate::chosen::Chosen;
@@ -87,6 +88,13 @@ fn members(detail: &Value) -> String {
         Value::Null => String::new(),
         Value::Object(members) if members.is_empty() => String::new(),
         detail => format!(" {detail}"),
+    }
+}
+
+impl From<WriteError> for Failure {
+    fn from(error: WriteError) -> Self {
+        let code = if matches!(error, WriteError::Full { .. }) { "full" } else { "file" };
+        Self::refused(code, error.to_string())
     }
 }
 

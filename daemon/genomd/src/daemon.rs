@@ -3,16 +3,16 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use genom_cells::{Cells, Failure, Reports, Rules, Setup, Told, react};
+use genom_cells::{BlackBoxes, Cells, Failure, Reports, Rules, Setup, Told, react};
 use genom_configuration::RpcSettings;
 use genom_doors::{Slots, Streams};
 use genom_supervisor::Supervisor;
 use genom_systemd::Manager;
+use genom_telemetry::logs;
 use tokio::sync::mpsc::{UnboundedSender, unbounded_channel};
 use tokio_util::sync::CancellationToken;
 
 use crate::announcements::Announcements;
-use crate::logs;
 use crate::settings::Settings;
 use crate::startup::Startup;
 use genom_cells::OwnCell;
@@ -24,6 +24,8 @@ const QUESTIONS: usize = 64;
 pub(crate) struct Daemon {
     /// Everything that concerns components.
     pub(crate) supervisor: Arc<Supervisor>,
+    /// What its processes did last.
+    pub(crate) boxes: Arc<BlackBoxes>,
     /// Processes of their own for components; none within a cell.
     pub(crate) cells: Arc<Cells>,
     /// What makes this a cell of another daemon, when it is one.
@@ -48,18 +50,21 @@ pub(crate) struct Daemon {
 
 impl Daemon {
     /// A daemon without components.
-    pub(crate) fn new(settings: &Settings) -> Arc<Self> {
+    pub(crate) fn new(settings: &mut Settings) -> Arc<Self> {
         let (rpc, closed) = (settings.rpc.clone(), CancellationToken::new());
         let supervisor = Supervisor::new(settings.supervisor.clone());
         let (failures, failed) = unbounded_channel();
         let own = settings.own_cell.clone().map(|own| (Arc::downgrade(&supervisor), own));
         supervisor.reactions.set(Rules { failures: failures.clone(), own });
-        let cells = Arc::new(cells(settings, &supervisor, failures));
+        let boxes = Arc::new(BlackBoxes::new(&settings.config.blackbox));
+        boxes.attach(&supervisor, settings.lease.as_mut());
+        let cells = Arc::new(cells(settings, &supervisor, Arc::clone(&boxes), failures));
         let reacting = react(Arc::downgrade(&cells), Arc::clone(&supervisor), failed);
         tokio::spawn(reacting);
         let known = Arc::clone(&cells);
         supervisor.connections.look_elsewhere(move |name| known.of(name).is_some());
         Arc::new(Self {
+            boxes,
             cells,
             own_cell: settings.own_cell.clone(),
             supervisor,
@@ -79,6 +84,7 @@ impl Daemon {
 fn cells(
     settings: &Settings,
     supervisor: &Supervisor,
+    boxes: Arc<BlackBoxes>,
     failures: UnboundedSender<Failure>,
 ) -> Cells {
     let bus = Arc::clone(&supervisor.bus);
@@ -89,6 +95,7 @@ fn cells(
         config: settings.config.clone(),
         settings: settings.cells.clone(),
         reports: Reports::new(&settings.config.crashes, &settings.rpc.socket),
+        boxes,
         stop_timeout: settings.supervisor.stop_timeout,
         hears: Box::new(move |told| match told {
             Told::Change(change) => bus.tell_on(&change),

@@ -9,7 +9,6 @@ mod check;
 mod cli;
 mod daemon;
 mod life;
-mod logs;
 mod memory;
 mod rpc;
 mod run;
@@ -30,6 +29,7 @@ use crate::run::Refusal;
 use crate::settings::Settings;
 use genom_cells::OwnCell;
 use genom_systemd::Invitation;
+use genom_telemetry::logs;
 
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {

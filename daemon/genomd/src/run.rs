@@ -159,7 +159,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
         }
         None => None,
     };
-    let daemon = Daemon::new(&settings);
+    let daemon = Daemon::new(&mut settings);
     let supervisor = &daemon.supervisor;
     tokio::spawn(signals.obey(Arc::clone(&daemon), Arc::clone(&tokens)));
     match settings.lease.take().zip(daemon.own_cell.clone()) {
@@ -252,6 +252,7 @@ async fn work(daemon: &Daemon, settings: &Settings) -> Result<(), Refusal> {
                 let ready = format!("ready on {}", daemon.rpc.socket.display());
                 tracing::info!("{ready}");
                 daemon.manager.ready(&ready);
+                daemon.boxes.tell_unmatched(supervisor, daemon.cells.all()).await;
             }
             tokio::select! {
                 refusal = deploy(daemon, settings, rest) => outcome = Err(refusal),

@@ -1,6 +1,5 @@
 //! All settings of a run, made from the configuration file and the command line.
 
-use std::os::fd::OwnedFd;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -11,7 +10,7 @@ use genom_configuration::{
 use genom_supervisor::settings::Settings as Supervised;
 
 use crate::cli::Cli;
-use genom_cells::OwnCell;
+use genom_cells::{Lease, OwnCell};
 use genom_systemd::Invitation;
 use genom_telemetry::Collector;
 
@@ -46,8 +45,8 @@ pub(crate) struct Settings {
     pub(crate) own_cell: Option<Arc<OwnCell>>,
     /// What the service manager that started this process left for it.
     pub(crate) invitation: Invitation,
-    /// Of a cell: what its daemon holds open as long as it lives.
-    pub(crate) lease: Option<OwnedFd>,
+    /// Of a cell: what its daemon lent it.
+    pub(crate) lease: Option<Lease>,
 }
 
 impl Settings {
@@ -58,6 +57,7 @@ impl Settings {
         let cells = CellSettings::new(&config.cells)?;
         config.check_limits()?;
         config.services.check()?;
+        config.blackbox.check()?;
         if !(1..=MOST_ACTIVITIES).contains(&config.max_activities) {
             return Err(UsageError::Activities(config.max_activities));
         }

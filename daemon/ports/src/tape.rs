@@ -2,10 +2,14 @@
 //!
 //! The codel never waits and, for types of fixed size, allocates nothing. Samples for which the
 //! ring has no room are dropped and counted.
+//!
+//! A tape of a black box has a [`Track`] instead of a ring: it keeps the latest samples where a
+//! crash of this process does not reach, and nobody empties it.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use genom_blackbox::Track;
 use genom_types::{DataType, Record};
 use rtrb::{Consumer, Producer, RingBuffer};
 
@@ -25,12 +29,16 @@ const VARIABLE: usize = 16 << 20;
 /// The writing end, used by the codel's thread.
 pub struct Tape {
     session: u64,
-    ring: Producer<u8>,
     dates: Dates,
     /// The sample with its head; kept to reuse its memory.
     scratch: Vec<u8>,
-    number: u32,
-    lost: Arc<AtomicU64>,
+    to: To,
+}
+
+/// Where samples go.
+enum To {
+    Recording { ring: Producer<u8>, number: u32, lost: Arc<AtomicU64> },
+    BlackBox(Track),
 }
 
 /// The reading end, used by the recording's thread.
@@ -63,24 +71,39 @@ pub fn tape(session: u64, ty: &DataType, dates: Dates) -> (Tape, Reel) {
     };
     let (writer, reader) = RingBuffer::new(room);
     let lost = Arc::new(AtomicU64::new(0));
-    let tape = Tape { session, ring: writer, dates, scratch, number: 0, lost: Arc::clone(&lost) };
+    let to = To::Recording { ring: writer, number: 0, lost: Arc::clone(&lost) };
+    let tape = Tape { session, dates, scratch, to };
     (tape, Reel { ring: reader, lost, scratch: Vec::new() })
 }
 
 impl Tape {
+    /// A tape that keeps the latest values of type `ty` in a black box, as session `session`.
+    #[must_use]
+    pub fn boxed(session: u64, ty: &DataType, dates: Dates, track: Track) -> Self {
+        let mut scratch = vec![0; HEAD];
+        let _ = Record::new(ty).encode_message(&mut scratch);
+        Self { session, dates, scratch, to: To::BlackBox(track) }
+    }
+
     fn take(&mut self, value: &Record) {
-        let number = self.number;
-        self.number = number.wrapping_add(1);
+        let moment = self.dates.moment();
         self.scratch.clear();
-        self.scratch.extend_from_slice(&self.dates.moment().to_le_bytes());
-        self.scratch.extend_from_slice(&number.to_le_bytes());
-        self.scratch.extend_from_slice(&[0; 4]);
-        let encoded = value.encode_message(&mut self.scratch);
-        let length = u32::try_from(self.scratch.len() - HEAD).unwrap_or(u32::MAX);
-        self.scratch[HEAD - 4..HEAD].copy_from_slice(&length.to_le_bytes());
-        // The sample is pushed as a whole: the reader never sees a part of one.
-        if encoded.is_err() || self.ring.push_entire_slice(&self.scratch).is_err() {
-            self.lost.fetch_add(1, Ordering::Relaxed);
+        self.scratch.extend_from_slice(&moment.to_le_bytes());
+        self.scratch.extend_from_slice(&[0; 8]);
+        let encoded = value.encode_message(&mut self.scratch).is_ok();
+        match &mut self.to {
+            To::BlackBox(track) if encoded => track.put(moment, &self.scratch[HEAD..]),
+            To::BlackBox(track) => track.lose(),
+            To::Recording { ring, number, lost } => {
+                let length = u32::try_from(self.scratch.len() - HEAD).unwrap_or(u32::MAX);
+                self.scratch[HEAD - 8..HEAD - 4].copy_from_slice(&number.to_le_bytes());
+                self.scratch[HEAD - 4..HEAD].copy_from_slice(&length.to_le_bytes());
+                *number = number.wrapping_add(1);
+                // The sample is pushed as a whole: the reader never sees a part of one.
+                if !encoded || ring.push_entire_slice(&self.scratch).is_err() {
+                    lost.fetch_add(1, Ordering::Relaxed);
+                }
+            }
         }
     }
 }

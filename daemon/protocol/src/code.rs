@@ -48,6 +48,8 @@ pub enum Code {
     NameTaken,
     /// No middleware of the daemon can relay requests.
     NoRelay,
+    /// The black box is off.
+    NoBlackBox,
     /// There is no way from what runs to the deployment.
     NoPlan,
     /// There is no activity of that number, or none of that service.

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::{LogEntry, Statistics};
+use crate::{BlackBoxLeft, LogEntry, Statistics};
 
 /// The reports that are kept.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -60,6 +60,9 @@ pub struct CrashReport {
     /// What the dying process told; absent if it could tell nothing (SIGKILL).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fault: Option<CrashFault>,
+    /// What the black box kept, if it is on: a file in the report's directory, or why there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub blackbox: Option<BlackBoxLeft>,
     /// The latest entries of the cell's log, oldest first.
     pub log: Vec<LogEntry>,
 }
@@ -152,6 +155,13 @@ impl fmt::Display for CrashReport {
         }
         if let Some(fault) = &self.fault {
             write!(f, "{fault}")?;
+        }
+        match &self.blackbox {
+            Some(BlackBoxLeft { error: Some(error), .. }) => writeln!(f, "no black box: {error}")?,
+            Some(BlackBoxLeft { file, messages, .. }) => {
+                writeln!(f, "black box: {} ({messages} messages)", file.display())?;
+            }
+            None => {}
         }
         for component in &self.components {
             let id = component.build_id.as_deref().unwrap_or("none");

@@ -126,6 +126,16 @@ pub enum Change {
         #[serde(skip_serializing_if = "Option::is_none")]
         codel: Option<String>,
     },
+    /// A service ended with an exception that makes a black box write a file.
+    ServiceException {
+        component: String,
+        service: String,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        activity: Option<u64>,
+        exception: String,
+    },
+    /// A black box wrote what it kept to a file; that of a crash is in its report.
+    BlackboxSaved { file: String, why: String, messages: u64 },
     /// A component broke a rule of its supervision. `index` is that of the rule in `supervision` of
     /// its request, `violations` how often it was broken so far; of one rule at most one event a
     /// second.

@@ -27,6 +27,7 @@ mod activities;
 pub mod address;
 pub mod advice;
 mod backends;
+mod blackbox;
 mod cells;
 mod clock;
 mod code;
@@ -73,6 +74,7 @@ pub use activities::{
 };
 pub use address::{Address, Place, Subject};
 pub use backends::{BackendNames, MoveRequest, Moved};
+pub use blackbox::{BlackBox, BlackBoxFile, BlackBoxLeft, BlackBoxPart};
 pub use cells::{Cell, CellEnds, CellState, Cells, RestartPolicy};
 pub use clock::{Clock, ClockKind, StepRequest};
 pub use code::Code;

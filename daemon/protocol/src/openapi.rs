@@ -4,12 +4,12 @@ use serde_json::{Map, Value};
 use utoipa::OpenApi;
 
 use crate::{
-    Aborted, About, Activities, AllAborted, Answers, Applied, CellEnds, Cells, Change, Clock,
-    ComponentReload, Components, Connection, ConnectionRequest, Connections, CrashReport, Crashes,
-    Daemons, DeploymentRequest, Description, Disconnected, Dumped, Findings, Fired, Inputs,
-    LoadRequest, Logs, Middlewares, MoveRequest, Moved, PortTraffic, PortType, Ports, Published,
-    Ready, RecordingEnds, RecordingRequest, Refusal, ReloadRequest, Reloaded, Replayed, Started,
-    Statistics, StepRequest, Stopping, StreamEnd, Unloaded, frames,
+    Aborted, About, Activities, AllAborted, Answers, Applied, BlackBox, BlackBoxLeft, CellEnds,
+    Cells, Change, Clock, ComponentReload, Components, Connection, ConnectionRequest, Connections,
+    CrashReport, Crashes, Daemons, DeploymentRequest, Description, Disconnected, Dumped, Findings,
+    Fired, Inputs, LoadRequest, Logs, Middlewares, MoveRequest, Moved, PortTraffic, PortType,
+    Ports, Published, Ready, RecordingEnds, RecordingRequest, Refusal, ReloadRequest, Reloaded,
+    Replayed, Started, Statistics, StepRequest, Stopping, StreamEnd, Unloaded, frames,
 };
 
 /// Lists all types that cross the control plane, including those of streams and recordings, to
@@ -22,6 +22,8 @@ use crate::{
     AllAborted,
     Answers,
     Applied,
+    BlackBox,
+    BlackBoxLeft,
     CellEnds,
     Cells,
     Change,

@@ -15,14 +15,15 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::{
-    Aborted, About, Activities, Activity, AllAborted, Answers, Applied, AskParameters,
-    CallParameters, CallReply, Cell, CellEnds, Cells, Change, ChangeParameters, Clock, Component,
-    ComponentReload, Components, Connection, ConnectionRequest, Connections, CrashReport, Crashes,
-    Daemons, DeploymentRequest, Description, Disconnected, Dumped, Findings, Fired, Inputs,
-    LoadRequest, LogEntry, LogParameters, Logs, LookParameters, MiddlewareParameters, Middlewares,
-    MoveRequest, Moved, Port, PortParameters, PortTraffic, PortType, Ports, Published, Ready,
-    ReadyParameters, RecordingEnds, RecordingRequest, ReloadRequest, Reloaded, Replayed, Right,
-    Service, Statistics, StepRequest, Stopping, StreamParameters, Unloaded, ValueParameters,
+    Aborted, About, Activities, Activity, AllAborted, Answers, Applied, AskParameters, BlackBox,
+    BlackBoxLeft, CallParameters, CallReply, Cell, CellEnds, Cells, Change, ChangeParameters,
+    Clock, Component, ComponentReload, Components, Connection, ConnectionRequest, Connections,
+    CrashReport, Crashes, Daemons, DeploymentRequest, Description, Disconnected, Dumped, Findings,
+    Fired, Inputs, LoadRequest, LogEntry, LogParameters, Logs, LookParameters,
+    MiddlewareParameters, Middlewares, MoveRequest, Moved, Port, PortParameters, PortTraffic,
+    PortType, Ports, Published, Ready, ReadyParameters, RecordingEnds, RecordingRequest,
+    ReloadRequest, Reloaded, Replayed, Right, Service, Statistics, StepRequest, Stopping,
+    StreamParameters, Unloaded, ValueParameters,
 };
 
 /// HTTP method.
@@ -184,6 +185,12 @@ routes! {
     Get crashes() [Read] "/crashes", Crashes;
     /// One of them.
     Get crash(crash) [Read] "/crashes/{crash}", CrashReport;
+    /// How the black box is.
+    Get blackbox() [Read] "/blackbox", BlackBox;
+    /// Has it write a file.
+    Post save_blackbox() [Call] "/blackbox", BlackBoxLeft;
+    /// What it keeps, in the form of a recording.
+    Get blackbox_frames() [Read] "/blackbox/frames", Bytes;
     /// The types of a component as JSON Schemas.
     Get schema(component) [Read] "/components/{component}/schema", Value;
     /// Moves a component, or one of its ports, to other middlewares.

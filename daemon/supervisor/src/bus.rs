@@ -4,7 +4,7 @@
 //! Sending never blocks: a listener that is too slow is told how many messages it missed.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use genom_ports::dates::Dates;
 pub use genom_protocol::{Change, StepStatus};
@@ -41,7 +41,19 @@ const KEPT: usize = 1024;
 /// assert_eq!((kept[0].id, &kept[0].data["component"]), (1, &"demo".into()));
 /// ```
 #[derive(Debug)]
-pub struct Bus(Numbers);
+pub struct Bus {
+    numbers: Numbers,
+    also: OnceLock<Also>,
+}
+
+/// Hears what this process tells, at once.
+struct Also(Box<dyn Fn(&Numbered) + Send + Sync>);
+
+impl std::fmt::Debug for Also {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Also")
+    }
+}
 
 /// Numbers messages, keeps the latest, and sends them to listeners.
 #[derive(Debug)]
@@ -60,27 +72,36 @@ struct Past {
 impl Bus {
     /// A bus without messages.
     pub fn new(dates: Dates) -> Self {
-        Self(Numbers::new(dates))
+        Self { numbers: Numbers::new(dates), also: OnceLock::new() }
     }
 
     /// Sends a change to all listeners.
     pub fn tell(&self, change: &Change) {
-        self.0.add(change);
+        let told = self.numbers.send(change);
+        if let Some(Also(hear)) = self.also.get() {
+            hear(&told);
+        }
     }
 
     /// Tells on a change that another process of this daemon told.
     pub fn tell_on(&self, change: &Value) {
-        self.0.add(change);
+        self.numbers.add(change);
+    }
+
+    /// Has `hear` called with each change of this process, by the thread that tells it: what it
+    /// does is done, even if the process is killed next. Only the first one is.
+    pub fn also(&self, hear: impl Fn(&Numbered) + Send + Sync + 'static) {
+        let _ = self.also.set(Also(Box::new(hear)));
     }
 
     /// A listener that starts after message number `after`; with `None`, after the latest one.
     pub fn listen(&self, after: Option<u64>) -> Listener {
-        self.0.listen(after)
+        self.numbers.listen(after)
     }
 
     /// The changes from now on, for receivers that count their losses themselves.
     pub fn live(&self) -> broadcast::Receiver<Numbered> {
-        self.0.live.subscribe()
+        self.numbers.live.subscribe()
     }
 }
 
@@ -149,6 +170,10 @@ impl Numbers {
 
     /// Gives the message a number and sends it to all listeners.
     pub fn add(&self, told: &impl Serialize) {
+        self.send(told);
+    }
+
+    fn send(&self, told: &impl Serialize) -> Numbered {
         let data = Arc::new(serde_json::to_value(told).unwrap_or_default());
         let mut past = self.past.lock().unwrap_or_else(PoisonError::into_inner);
         past.last += 1;
@@ -159,7 +184,8 @@ impl Numbers {
         past.kept.push_back(numbered.clone());
         // Sent under the lock, so that listeners receive messages in order of their numbers. Having
         // no listener is not an error.
-        let _ = self.live.send(numbered);
+        let _ = self.live.send(numbered.clone());
+        numbered
     }
 
     /// A listener that starts after message number `after`; with `None`, after the latest one.

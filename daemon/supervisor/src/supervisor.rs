@@ -4,7 +4,8 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread::Thread;
 use std::time::{Duration, Instant};
 
-use genom_configuration::{ClockKind, ExecutionKind};
+use genom_blackbox::Memory;
+use genom_configuration::{BlackBoxSection, ClockKind, ExecutionKind};
 use genom_ports::dates::Dates;
 use genom_registry::Backends;
 use genom_runtime::{Clock, Execution, Executor, VirtualClock};
@@ -15,7 +16,7 @@ use crate::connections::{self, Connections, Opening};
 use crate::flag::Flag;
 use crate::known::Known;
 use crate::reactor::Reactions;
-use crate::recording::{Recordings, Session};
+use crate::recording::{BlackBox, Recordings, Session};
 use crate::settings::Settings;
 use crate::vigil;
 
@@ -140,6 +141,16 @@ impl Supervisor {
             component: hosted.name.clone(),
             backend: backend.to_string(),
         });
+    }
+
+    /// Keeps what happens from now on in this memory, as `section` says. To be called once, before
+    /// components are loaded.
+    ///
+    /// # Errors
+    /// The memory cannot be mapped.
+    pub fn keep_in(&self, memory: &Memory, section: &BlackBoxSection) -> std::io::Result<()> {
+        self.recordings.keep(BlackBox::begin(memory, section, &self.bus)?);
+        Ok(())
     }
 
     /// Starts a recording of these components and ports, or of everything if `wanted` is empty.

@@ -1,5 +1,5 @@
 //! What a daemon tells monitoring systems: spans of services to an OpenTelemetry collector (OTLP
-//! over HTTP, in JSON), and pages of metrics for Prometheus ([`Page`]).
+//! over HTTP, in JSON), pages of metrics for Prometheus ([`Page`]), and the log ([`logs`]).
 //!
 //! A layer of `tracing` converts each span to OTLP when it closes, and queues it; a task posts the
 //! queue. Nothing waits for the collector: spans that do not fit in the queue are dropped and
@@ -7,6 +7,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod logs;
 mod page;
 
 pub use page::Page;

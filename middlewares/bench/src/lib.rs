@@ -12,6 +12,7 @@
 
 pub mod clock;
 pub mod figures;
+pub mod iceoryx;
 pub mod octets;
 pub mod pair;
 

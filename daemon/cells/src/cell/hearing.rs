@@ -1,8 +1,9 @@
 //! What a cell tells while it lives, and the report of an end that nobody asked for.
 
+use std::path::Path;
 use std::sync::PoisonError;
 
-use genom_protocol::{Change, Crash};
+use genom_protocol::{Change, Crash, CrashReport};
 
 use super::Cell;
 use crate::crashes::Known;
@@ -61,6 +62,7 @@ impl Cell {
     pub(super) fn report(&self, end: &End) {
         let (asked, pid) = self.with(|state| (std::mem::take(&mut state.asked), state.pid));
         let known = self.with_known(std::mem::take);
+        let left = self.setup.boxes.end(&self.name);
         let in_order = matches!(end, End::Exited(0) | End::NotStarted(_));
         if asked || in_order || self.is_stopping() {
             return;
@@ -69,13 +71,22 @@ impl Cell {
         let (reports, cell) = (&self.setup.reports, (self.name.as_str(), pid));
         let seen = reports.look(cell, end, &self.place.note(), &held.component, &known);
         let (Some(seen), setup) = (seen, std::sync::Arc::clone(&self.setup)) else { return };
-        let cell = self.name.clone();
-        tokio::task::spawn_blocking(move || match setup.reports.write(seen) {
-            Ok(Crash { name: report, end, codel, .. }) => {
-                tracing::warn!("cell {cell}: `genomctl crashes {report}` shows how it ended");
-                setup.tell(Told::Cell(Change::CellCrashed { cell, report, end, codel }));
+        let (cell, ended) = (self.name.clone(), end.to_string());
+        tokio::task::spawn_blocking(move || {
+            let boxes = &setup.boxes;
+            let left = left.filter(|_| boxes.is_for_crashes());
+            let more = |directory: &Path, report: &mut CrashReport| {
+                let name = &report.crash.name;
+                let put = |left| boxes.put_beside(directory, &cell, name, (&ended, left));
+                report.blackbox = left.map(put);
+            };
+            match setup.reports.write(seen, more) {
+                Ok(Crash { name: report, end, codel, .. }) => {
+                    tracing::warn!("cell {cell}: `genomctl crashes {report}` shows how it ended");
+                    setup.tell(Told::Cell(Change::CellCrashed { cell, report, end, codel }));
+                }
+                Err(error) => tracing::error!("cell {cell}: no report of its end: {error}"),
             }
-            Err(error) => tracing::error!("cell {cell}: no report of its end: {error}"),
         });
     }
 

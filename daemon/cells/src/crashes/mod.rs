@@ -18,10 +18,10 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use genom_configuration::{CrashesSection, LoadRequest};
 use genom_protocol::{Crash, CrashReport, CrashedComponent, Crashes};
-use genom_supervisor::loading::date_in_utc;
 use rustix::process::Signal;
 
 use crate::end::End;
+use crate::shelf::date;
 use images::Images;
 pub(crate) use known::{Known, learn};
 use memory::Shortage;
@@ -56,7 +56,7 @@ impl Reports {
     /// All that are kept.
     #[must_use]
     pub fn list(&self) -> Crashes {
-        Crashes { directory: self.store.directory.clone(), crashes: self.store.list() }
+        Crashes { directory: self.store.0.directory.clone(), crashes: self.store.list() }
     }
 
     /// The report of this name.
@@ -83,8 +83,7 @@ impl Reports {
         let raw = take(note);
         let now = SystemTime::now();
         let since = now.duration_since(UNIX_EPOCH).unwrap_or_default();
-        let date = date_in_utc(now).replace(['-', ':', 'Z'], "");
-        let name = format!("crash-{date}{:03}Z-{cell}", since.subsec_millis());
+        let name = format!("crash-{}-{cell}", date(now));
         let components: Vec<_> = held.iter().map(|one| known.component(one)).collect();
         let libraries: Vec<_> = components.iter().map(|one| one.library.clone()).collect();
         let note = note::read(&raw);
@@ -106,6 +105,7 @@ impl Reports {
                 out_of_memory: killed.then(|| self.shortage.came()).flatten(),
                 components,
                 fault: None,
+                blackbox: None,
                 log: known.log(),
             },
             note: note.map(|note| {
@@ -116,11 +116,16 @@ impl Reports {
         })
     }
 
-    /// Completes a report, and keeps it. Takes a while: it reads symbols.
+    /// Completes a report, and keeps it with the files that `more` puts into its directory. Takes a
+    /// while: it reads symbols.
     ///
     /// # Errors
     /// The directory cannot be written.
-    pub(crate) fn write(&self, ended: Ended) -> Result<Crash, StoreError> {
+    pub(crate) fn write(
+        &self,
+        ended: Ended,
+        more: impl FnOnce(&Path, &mut CrashReport),
+    ) -> Result<Crash, StoreError> {
         let Ended { mut report, raw, note } = ended;
         let build_id = |component: &CrashedComponent| match &note {
             Some((_, images)) => images.build_id(&component.library),
@@ -145,7 +150,7 @@ impl Reports {
             }
             report.fault = Some(fault);
         }
-        self.store.add(&mut report, &raw)?;
+        self.store.add(&mut report, &raw, more)?;
         Ok(report.crash)
     }
 }
@@ -204,7 +209,7 @@ mod tests {
         let note = scratch.path().join("note");
         let cell = ("arm", Some(42));
         let ended = reports.look(cell, &End::Signal(9), &note, &held, &Known::default());
-        let crash = reports.write(ended.unwrap()).unwrap();
+        let crash = reports.write(ended.unwrap(), |_, _| {}).unwrap();
         assert_eq!(reports.list().crashes, std::slice::from_ref(&crash));
         let report = reports.read(&crash.name).unwrap();
         assert_eq!((report.crash.end.as_str(), report.fault), ("signal 9 (SIGKILL)", None));

@@ -1,8 +1,6 @@
-//! Recordings: converts the daemon's frames to MCAP files and back.
+//! Recordings: takes the daemon's frames apart, and reads MCAP files.
 
 pub(crate) mod error;
-pub(crate) mod file;
 pub(crate) mod frames;
 pub(crate) mod reader;
-pub(crate) mod room;
 pub(crate) mod walk;

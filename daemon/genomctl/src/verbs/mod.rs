@@ -5,6 +5,7 @@ mod activities;
 mod apply;
 mod backend;
 mod backends;
+mod blackbox;
 mod bw;
 mod call;
 mod cells;
@@ -91,6 +92,7 @@ pub(crate) enum Verb {
     Unload(unload::Args),
     Cells(cells::Args),
     Crashes(crashes::Args),
+    Blackbox(blackbox::Args),
     Fire(fire::Args),
     Events(events::Args),
     Stats(stats::Args),
@@ -163,6 +165,7 @@ pub(crate) async fn run(
         Verb::Load(args) => load::run(args, session).await,
         Verb::Cells(args) => cells::run(args, session).await,
         Verb::Crashes(args) => crashes::run(args, session).await,
+        Verb::Blackbox(args) => blackbox::run(args, session).await,
         Verb::Reload(args) => reload::run(args, session).await,
         Verb::Unload(args) => unload::run(args, session).await,
         Verb::Fire(args) => fire::run(args, session).await,

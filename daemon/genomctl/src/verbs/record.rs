@@ -7,11 +7,11 @@ use std::time::Duration;
 
 use genom_protocol::frames::Frame;
 use genom_protocol::{RecordingRequest, routes};
+use genom_recording::{ChannelSummary, Recorder, WriteError};
 use serde_json::{Value, json};
 use tokio::signal::unix::{SignalKind, signal};
 
 use crate::failure::Failure;
-use crate::recording::file::{ChannelSummary, Recorder, WriteError};
 use crate::recording::frames::Frames;
 use crate::session::Session;
 use crate::table::Table;
@@ -60,7 +60,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let file = File::create(&args.output).map_err(|error| {
         Failure::usage(format!("{}: {error}", args.output.display()), "name another file")
     })?;
-    let mut recorder = Recorder::new(&args.output, file, &start)?;
+    let mut recorder = Recorder::new("genomctl", &args.output, file, &start)?;
     tell(&format!("recording to {}; Ctrl-C ends it\n", args.output.display()));
 
     let mut over = std::pin::pin!(tokio::time::sleep(args.duration.unwrap_or(Duration::MAX)));

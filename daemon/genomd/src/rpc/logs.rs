@@ -15,8 +15,8 @@ use serde::Deserialize as _;
 use serde_json::{Value, json};
 use strum::VariantNames as _;
 
-use crate::logs;
 use crate::rpc::components;
+use genom_telemetry::logs;
 
 /// Selects entries.
 struct Wanted {

@@ -10,6 +10,7 @@
 
 mod activities;
 mod backends;
+mod blackbox;
 mod cells;
 mod clock;
 mod codels;
@@ -65,6 +66,8 @@ fn routes() -> OpenApiRouter<Parts> {
         .routes(routes!(cells::restart))
         .routes(routes!(cells::crashes))
         .routes(routes!(cells::crash))
+        .routes(routes!(blackbox::look, blackbox::save))
+        .routes(routes!(blackbox::frames))
         .routes(routes!(backends::change))
         .routes(routes!(services::describe, services::call))
         .routes(routes!(activities::list, activities::abort_all))

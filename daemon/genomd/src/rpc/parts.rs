@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use axum::extract::FromRef;
-use genom_cells::Cells;
+use genom_cells::{BlackBoxes, Cells};
 use genom_doors::Streams;
 use genom_supervisor::Supervisor;
 
@@ -35,6 +35,12 @@ impl FromRef<Parts> for Streams {
 impl FromRef<Parts> for Arc<Cells> {
     fn from_ref(parts: &Parts) -> Self {
         Self::clone(&parts.0.cells)
+    }
+}
+
+impl FromRef<Parts> for Arc<BlackBoxes> {
+    fn from_ref(parts: &Parts) -> Self {
+        Self::clone(&parts.0.boxes)
     }
 }
 

@@ -4,24 +4,29 @@
 //! middleware. Losses are counted. Dates of a recording continue from its start: if the machine's
 //! clock is set meanwhile they do not jump, but a note is recorded.
 
+mod blackbox;
 mod notes;
 mod pump;
 
+use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use genom_description::model::PortDirection;
 use genom_middleware::Address;
 use genom_ports::dates::{Calendar, Dates};
-use genom_ports::tape::{Reel, Tapes, tape};
+use genom_ports::tape::{Reel, Tape, Tapes, tape};
 use genom_protocol::frames::Channel;
 use genom_types::{DataType, message};
 use serde_json::{Value, json};
 
-use crate::bus::Numbered;
 use crate::outcome::Outcome;
+pub use blackbox::BlackBox;
 use notes::{Notes, Subject};
 pub use pump::run;
+
+/// Number of the black box among the recordings that tapes are for; those begin with 1.
+const BLACK_BOX: u64 = 0;
 
 /// The running recordings.
 #[derive(Default)]
@@ -32,6 +37,10 @@ pub struct Recordings {
     any: AtomicBool,
     sessions: Mutex<Vec<Arc<Session>>>,
     calls: AtomicU64,
+    /// What keeps the last seconds, if anything does.
+    blackbox: OnceLock<Arc<BlackBox>>,
+    /// Ports of which it was told that they cannot be recorded.
+    told: Mutex<BTreeSet<String>>,
 }
 
 /// A recording.
@@ -121,38 +130,63 @@ impl Recordings {
         ty: &DataType,
         tapes: &Tapes,
     ) {
-        if !self.any() {
+        let topic = format!("/{address}");
+        let sessions = match self.any() {
+            true => {
+                self.with(|all| all.iter().filter(|one| one.wants(&topic[1..])).cloned().collect())
+            }
+            false => Vec::new(),
+        };
+        let blackbox = self.blackbox.get().filter(|one| one.wants_port(&topic[1..]));
+        if sessions.is_empty() && blackbox.is_none() {
             return;
         }
-        let Some(definition) = message::message_definition(ty) else { return };
-        let topic = format!("/{address}");
-        self.with(|sessions| {
-            for session in sessions.iter().filter(|session| session.wants(&topic[1..])) {
-                tapes.add(session.number, || {
-                    let (tape, reel) = tape(session.number, ty, self.dates.clone());
-                    let metadata = [
-                        ("direction", Some(of.as_str().to_owned())),
-                        ("type", Some(ty.name().to_owned())),
-                        ("reads", reads.map(Address::to_string)),
-                    ];
-                    let metadata = metadata.into_iter();
-                    let head = Channel {
-                        // The thread that sends it assigns its number.
-                        channel: 0,
-                        topic: topic.clone(),
-                        encoding: "cdr".to_owned(),
-                        schema: message::message_name(ty).to_string(),
-                        definition: definition.clone(),
-                        metadata: metadata
-                            .filter_map(|(key, value)| Some((key.to_owned(), value?)))
-                            .collect(),
-                    };
-                    let mut new = session.new.lock().unwrap_or_else(PoisonError::into_inner);
-                    new.push((head, reel));
-                    tape
-                });
+        let Some(definition) = message::message_definition(ty) else {
+            let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+            if told.insert(topic.clone()) {
+                let (port, ty) = (&topic[1..], ty.name());
+                tracing::warn!(
+                    "{port} is not recorded: its type {ty} has native members, which only codels \
+                     can read"
+                );
             }
-        });
+            return;
+        };
+        let metadata = [
+            ("direction", Some(of.as_str().to_owned())),
+            ("type", Some(ty.name().to_owned())),
+            ("reads", reads.map(Address::to_string)),
+        ];
+        let metadata = metadata.into_iter();
+        let head = Channel {
+            // Who sends or writes it assigns its number.
+            channel: 0,
+            topic,
+            encoding: "cdr".to_owned(),
+            schema: message::message_name(ty).to_string(),
+            definition,
+            metadata: metadata.filter_map(|(key, value)| Some((key.to_owned(), value?))).collect(),
+        };
+        for session in sessions {
+            tapes.add(session.number, || {
+                let (tape, reel) = tape(session.number, ty, self.dates.clone());
+                let mut new = session.new.lock().unwrap_or_else(PoisonError::into_inner);
+                new.push((head.clone(), reel));
+                tape
+            });
+        }
+        if let Some(blackbox) = blackbox
+            && let Some(track) = blackbox.track(&head)
+        {
+            let make = || Tape::boxed(BLACK_BOX, ty, self.dates.clone(), track);
+            tapes.add(BLACK_BOX, make);
+        }
+    }
+
+    /// From now on, this box takes what ports and services do, besides recordings. To be called
+    /// once, before components are loaded.
+    pub fn keep(&self, blackbox: Arc<BlackBox>) {
+        let _ = self.blackbox.set(blackbox);
     }
 
     /// A service was called. Returns `None` if there is no recording; otherwise the end of the call
@@ -163,7 +197,8 @@ impl Recordings {
         service: &str,
         inputs: impl FnOnce() -> Value,
     ) -> Option<Call> {
-        if !self.any() {
+        let boxed = self.blackbox.get().filter(|one| one.wants_service(component, service));
+        if !self.any() && boxed.is_none() {
             return None;
         }
         let call = Call {
@@ -174,7 +209,7 @@ impl Recordings {
             service: service.to_owned(),
         };
         let inputs = inputs();
-        self.note(Subject::Calls, component, call.begin, || {
+        self.note(Subject::Calls, (component, service), call.begin, || {
             json!({
                 "component": component, "service": service, "call": call.number,
                 "phase": "request", "inputs": inputs,
@@ -183,10 +218,21 @@ impl Recordings {
         Some(call)
     }
 
-    fn note(&self, on: Subject, component: &str, moment: u64, content: impl FnOnce() -> Value) {
-        let all = self.with(|sessions| sessions.clone());
-        if all.iter().any(|session| session.concerns(component)) {
+    fn note(
+        &self,
+        on: Subject,
+        (component, service): (&str, &str),
+        moment: u64,
+        content: impl FnOnce() -> Value,
+    ) {
+        let all = match self.any() {
+            true => self.with(|sessions| sessions.clone()),
+            false => Vec::new(),
+        };
+        let boxed = self.blackbox.get().filter(|one| one.wants_service(component, service));
+        if boxed.is_some() || all.iter().any(|session| session.concerns(component)) {
             let content = content();
+            boxed.inspect(|blackbox| blackbox.note(on, moment, &content));
             for session in all.iter().filter(|session| session.concerns(component)) {
                 session.notes.add(on, moment, &content);
             }
@@ -229,24 +275,17 @@ impl Call {
             }
             note
         };
-        recordings.note(Subject::Calls, component, now, || {
+        recordings.note(Subject::Calls, (component, service), now, || {
             told(json!({
                 "call": self.number, "phase": "reply",
                 "duration_ns": now.saturating_sub(self.begin),
             }))
         });
-        if outcome.exception().is_some() {
-            recordings.note(Subject::Exceptions, component, now, || told(json!({})));
+        if let Some(exception) = outcome.exception() {
+            recordings.note(Subject::Exceptions, (component, service), now, || told(json!({})));
+            if let Some(blackbox) = recordings.blackbox.get() {
+                blackbox.exception(component, service, activity, exception);
+            }
         }
     }
-}
-
-/// The subject of a change, and the component it concerns, if any.
-fn subject(change: &Numbered) -> (Subject, Option<&str>) {
-    let text = |key: &str| change.data.get(key).and_then(Value::as_str);
-    let on = match text("event") {
-        Some("activity_started" | "transition" | "activity_ended") => Subject::Activities,
-        _ => Subject::Changes,
-    };
-    (on, text("component"))
 }

@@ -7,6 +7,8 @@ use std::sync::{Mutex, PoisonError};
 use genom_protocol::frames::Channel;
 use serde_json::{Value, json};
 
+use crate::bus::Numbered;
+
 /// Maximum number of notes that wait to be sent.
 const MOST: usize = 8192;
 
@@ -84,6 +86,16 @@ impl Subject {
             metadata: BTreeMap::new(),
         }
     }
+}
+
+/// The subject of a change, and the component it concerns, if any.
+pub(super) fn subject(change: &Numbered) -> (Subject, Option<&str>) {
+    let text = |key: &str| change.data.get(key).and_then(Value::as_str);
+    let on = match text("event") {
+        Some("activity_started" | "transition" | "activity_ended") => Subject::Activities,
+        _ => Subject::Changes,
+    };
+    (on, text("component"))
 }
 
 /// A note that waits to be sent.

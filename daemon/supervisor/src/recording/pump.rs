@@ -12,8 +12,8 @@ use tokio::sync::broadcast::Receiver;
 use tokio::sync::broadcast::error::TryRecvError;
 use tokio::sync::mpsc::Sender;
 
-use super::notes::{SUBJECTS, Subject};
-use super::{Session, subject};
+use super::Session;
+use super::notes::{SUBJECTS, Subject, subject};
 use crate::bus::Numbered;
 use crate::flag::Flag;
 use crate::waiting::wait;
@@ -41,7 +41,8 @@ struct Pump<'a> {
     session: &'a Session,
     changes: Receiver<Numbered>,
     channels: Vec<Channel>,
-    next: u16,
+    /// Number of the next channel, as long as there are any.
+    next: Option<u16>,
     notes_lost: [u64; SUBJECTS.len()],
     /// The machine's clock at the last note about it.
     noted: Calendar,
@@ -63,7 +64,7 @@ pub fn run(
         session,
         changes,
         channels: Vec::new(),
-        next: SUBJECTS.len() as u16,
+        next: Some(SUBJECTS.len() as u16),
         notes_lost: [0; SUBJECTS.len()],
         noted: session.calendar,
         sender,
@@ -100,10 +101,15 @@ impl Pump<'_> {
         let new =
             std::mem::take(&mut *self.session.new.lock().unwrap_or_else(PoisonError::into_inner));
         for (mut head, reel) in new {
-            head.channel = self.next;
+            let Some(number) = self.next else {
+                let topic = head.topic;
+                tracing::warn!("{topic} is not recorded: a recording has 65,536 channels at most");
+                continue;
+            };
+            head.channel = number;
             Frame::Channel(head).append(out);
-            self.channels.push(Channel { number: self.next, reel, told: 0 });
-            self.next = self.next.saturating_add(1);
+            self.channels.push(Channel { number, reel, told: 0 });
+            self.next = number.checked_add(1);
         }
         self.take_changes();
         self.look_at_the_clock();

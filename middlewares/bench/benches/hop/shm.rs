@@ -1,41 +1,17 @@
-//! iceoryx2: slices of octets, copied in and out.
+//! Shared memory: bare iceoryx2, and the backend on it.
 
-use std::hint::black_box;
 use std::path::Path;
 
+use genom_bench::iceoryx::Bare;
 use genom_bench::pair::{Receive, Send};
 use genom_middleware::Middleware;
 use genom_shm::{Options, Shm};
-use iceoryx2::port::publisher::Publisher;
-use iceoryx2::port::subscriber::Subscriber;
-use iceoryx2::prelude::*;
-use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 
 use crate::Backend;
 
 pub(crate) struct Both {
     ours: Shm,
-    node: Node<ipc_threadsafe::Service>,
-}
-
-struct Out(Publisher<ipc_threadsafe::Service, [u8], ()>, Vec<u8>);
-
-struct In(Subscriber<ipc_threadsafe::Service, [u8], ()>, Vec<u8>);
-
-impl Send for Out {
-    fn send(&mut self) {
-        let sample = self.0.loan_slice_uninit(self.1.len()).unwrap();
-        sample.write_from_slice(black_box(&self.1)).send().unwrap();
-    }
-}
-
-impl Receive for In {
-    fn arrived(&mut self) -> bool {
-        let Some(sample) = self.0.receive().unwrap() else { return false };
-        self.1.copy_from_slice(sample.payload());
-        black_box(&mut self.1);
-        true
-    }
+    bare: Bare,
 }
 
 impl Both {
@@ -45,30 +21,17 @@ impl Both {
         let root = place.join("ours");
         let prefix = Some(format!("bench{name}_"));
         let ours = Shm::open(Options { prefix, root: Some(root), ..Options::default() }).unwrap();
-        let mut config = Config::default();
-        config.global.prefix = FileName::new(format!("bare{name}_").as_bytes()).unwrap();
-        let root = place.join("bare").display().to_string();
-        config.global.set_root_path(&iceoryx2::prelude::Path::new(root.as_bytes()).unwrap());
-        let node = NodeBuilder::new().config(&config).create().unwrap();
-        Self { ours, node }
-    }
-
-    fn service(&self, bytes: usize) -> PortFactory<ipc_threadsafe::Service, [u8], ()> {
-        let name = ServiceName::new(&format!("bare/{bytes}")).unwrap();
-        self.node.service_builder(&name).publish_subscribe::<[u8]>().open_or_create().unwrap()
+        Self { ours, bare: Bare::open(place) }
     }
 }
 
 impl Backend for Both {
     fn writer(&self, bytes: usize) -> Box<dyn Send> {
-        let service = self.service(bytes);
-        let writer = service.publisher_builder().initial_max_slice_len(bytes).create().unwrap();
-        Box::new(Out(writer, vec![1; bytes]))
+        self.bare.writer(bytes)
     }
 
     fn reader(&self, bytes: usize) -> Box<dyn Receive> {
-        let reader = self.service(bytes).subscriber_builder().create().unwrap();
-        Box::new(In(reader, vec![0; bytes]))
+        self.bare.reader(bytes)
     }
 
     fn ours(&self) -> &dyn Middleware {

@@ -1,6 +1,7 @@
 //! Components in processes of their own: a fault stays where it is.
 
 mod adopted;
+mod blackbox;
 mod crashes;
 mod deployed;
 mod ended;

@@ -27,7 +27,9 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-runtime", &["genom-description", "genom-middleware", "genom-types"]),
     ("genom-elf", &[]),
     ("genom-host", HOST),
-    ("genom-ports", &["genom-middleware", "genom-protocol", "genom-runtime", "genom-types"]),
+    ("genom-blackbox", &[]),
+    ("genom-recording", &["genom-protocol"]),
+    ("genom-ports", PORTS),
     ("genom-registry", BACKENDS),
     ("genom-configuration", CONFIGURATION),
     ("genom-doors", &["genom-nearest", "genom-proof", "genom-protocol"]),
@@ -35,7 +37,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-cells", CELLS),
     ("genom-limits", &["genom-configuration"]),
     ("genom-systemd", &["genom-host"]),
-    ("genom-telemetry", &["genom-configuration", "genom-supervisor"]),
+    ("genom-telemetry", TELEMETRY),
     ("genom-proof", &[]),
     ("genom-nearest", &[]),
     ("genom-protocol", &["genom-nearest"]),
@@ -55,12 +57,19 @@ const HOST: &[&str] = &[
     "genom-runtime",
     "genom-types",
 ];
+const PORTS: &[&str] =
+    &["genom-blackbox", "genom-middleware", "genom-protocol", "genom-runtime", "genom-types"];
 const CELLS: &[&str] = &[
+    "genom-blackbox",
     "genom-configuration",
     "genom-host",
     "genom-limits",
+    "genom-nearest",
+    "genom-ports",
     "genom-protocol",
+    "genom-recording",
     "genom-registry",
+    "genom-runtime",
     "genom-supervisor",
 ];
 const GENOMCTL: &[&str] = &[
@@ -68,6 +77,7 @@ const GENOMCTL: &[&str] = &[
     "genom-description-tools",
     "genom-proof",
     "genom-protocol",
+    "genom-recording",
     "genom-rosidl",
     "genom-types",
 ];
@@ -77,6 +87,7 @@ const BACKENDS: &[&str] =
 const CONFIGURATION: &[&str] =
     &["genom-middleware", "genom-nearest", "genom-protocol", "genom-registry", "genom-runtime"];
 const SUPERVISOR: &[&str] = &[
+    "genom-blackbox",
     "genom-configuration",
     "genom-description",
     "genom-host",
@@ -88,12 +99,15 @@ const SUPERVISOR: &[&str] = &[
     "genom-runtime",
     "genom-types",
 ];
+const TELEMETRY: &[&str] =
+    &["genom-configuration", "genom-host", "genom-ports", "genom-protocol", "genom-supervisor"];
 const MIDDLEWARE: &[&str] = &["genom-middleware", "genom-types"];
 const BACKEND: &[&str] = &["genom-kit", "genom-middleware", "genom-types"];
 /// Crates at the top: they may use any other.
 const TOP: &[&str] = &["genomd", "genom-tests"];
 /// Crates that may contain unsafe code.
 const UNSAFE: &[&str] = &[
+    "genom-blackbox",
     "genom-types",
     "genom-host",
     "genom-local",
@@ -112,7 +126,7 @@ const FLOORS: &[(&str, &str)] = &[
     ("registry", "known backends masquerade lib"),
     (
         "configuration",
-        "error limits cells crashes levels place terms offers rpc spot overrides file lib",
+        "error limits cells states crashes pattern blackbox levels place terms offers rpc spot overrides file lib",
     ),
     ("ports", "dates gauge key tape fan feeds tap lib"),
     (
@@ -127,13 +141,10 @@ const FLOORS: &[(&str, &str)] = &[
     ),
     (
         "cells",
-        "end policy place journal client crashes follow remains process setup cell asking cells own react \
-         merge record wire lib",
+        "end policy place shelf journal client crashes follow remains blackbox process setup cell \
+         asking cells unmatched own react merge record wire lib",
     ),
-    (
-        "genomd",
-        "cli memory announcements startup settings logs daemon rpc signals life run check main",
-    ),
+    ("genomd", "cli memory announcements startup settings daemon rpc signals life run check main"),
 ];
 
 fn relative(path: &Path) -> String {

@@ -17,8 +17,7 @@ use genom_protocol::frames::{Channel, Lost, Sample, Start};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, McapError, WriteOptions, Writer};
 
-use super::room::{Counted, Room};
-use crate::failure::Failure;
+use crate::room::{Counted, Room};
 
 /// Upper bound of the size of the end of a file, apart from what grows with its content. In bytes.
 const END: u64 = 4096;
@@ -32,7 +31,7 @@ const OF_SAMPLE: u64 = 16;
 const HEAD: u64 = 31;
 
 /// An MCAP file being written.
-pub(crate) struct Recorder {
+pub struct Recorder {
     path: PathBuf,
     writer: Writer<Counted<BufWriter<File>>>,
     /// The channels, by the daemon's number.
@@ -50,41 +49,54 @@ pub(crate) struct Recorder {
 
 /// Why a recording cannot be written.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum WriteError {
+pub enum WriteError {
     /// The disk is full, or the file reached the maximum size. The file can still be completed.
     #[error(
         "{}: {why} after {written} bytes: it ends there; make room, or record to another disk",
         path.display()
     )]
-    Full { path: PathBuf, written: u64, why: std::io::Error },
+    Full {
+        /// The file.
+        path: PathBuf,
+        /// Bytes written until then.
+        written: u64,
+        /// The system's own words.
+        why: std::io::Error,
+    },
     /// Writing failed; the end of the file is missing.
     #[error(
         "{}: {why} after {written} bytes: what came before can be read; \
          `genomctl recover` makes a whole file of it", path.display()
     )]
-    Broken { path: PathBuf, written: u64, why: String },
-}
-
-impl From<WriteError> for Failure {
-    fn from(error: WriteError) -> Self {
-        let code = if matches!(error, WriteError::Full { .. }) { "full" } else { "file" };
-        Self::refused(code, error.to_string())
-    }
+    Broken {
+        /// The file.
+        path: PathBuf,
+        /// Bytes written until then.
+        written: u64,
+        /// What went wrong.
+        why: String,
+    },
 }
 
 /// A channel of the file, with its number of messages.
 #[derive(Debug)]
-pub(crate) struct ChannelSummary {
+pub struct ChannelSummary {
     /// Number of the channel in the file.
     id: u16,
-    pub(crate) topic: String,
-    pub(crate) messages: u64,
-    pub(crate) lost: u64,
+    /// What it is of.
+    pub topic: String,
+    /// Messages in the file.
+    pub messages: u64,
+    /// Messages that are not, since they were lost.
+    pub lost: u64,
 }
 
 impl Recorder {
-    /// Creates a file.
-    pub(crate) fn new(path: &Path, file: File, start: &Start) -> Result<Self, WriteError> {
+    /// Creates a file; `program` is who writes it.
+    ///
+    /// # Errors
+    /// There is no room for it, or it cannot be written.
+    pub fn new(program: &str, path: &Path, file: File, start: &Start) -> Result<Self, WriteError> {
         let (path, mut room) = (path.to_owned(), Room::of(&file));
         let expected = END + 2 * start.deployment.len() as u64;
         let full = |why| WriteError::Full { path: path.clone(), written: 0, why };
@@ -94,13 +106,16 @@ impl Recorder {
         let room = room.map_err(full)?;
         let (counted, written) = Counted::new(BufWriter::new(file));
         let broken = |why: McapError| broken(&path, &written, &why);
-        let writer = begin(counted, start).map_err(broken)?;
+        let writer = begin(program, counted, start).map_err(broken)?;
         let channels = BTreeMap::new();
         Ok(Self { path, writer, channels, room, written, repeated: 0, saved: 0, unsaved: 0 })
     }
 
     /// Adds a channel.
-    pub(crate) fn channel(&mut self, channel: Channel) -> Result<(), WriteError> {
+    ///
+    /// # Errors
+    /// There is no room for it, or it cannot be written.
+    pub fn channel(&mut self, channel: Channel) -> Result<(), WriteError> {
         let Channel { channel, topic, encoding, schema, definition, metadata } = channel;
         let texts = metadata.iter().map(|(key, value)| key.len() + value.len() + 8);
         let size = schema.len() + definition.len() + topic.len() + texts.sum::<usize>();
@@ -117,7 +132,10 @@ impl Recorder {
     }
 
     /// Adds a sample; a sample of an unknown channel is dropped.
-    pub(crate) fn sample(&mut self, sample: &Sample<'_>) -> Result<(), WriteError> {
+    ///
+    /// # Errors
+    /// There is no room for it, or it cannot be written.
+    pub fn sample(&mut self, sample: &Sample<'_>) -> Result<(), WriteError> {
         let Some(told) = self.channels.get(&sample.channel) else { return Ok(()) };
         let header = MessageHeader {
             channel_id: told.id,
@@ -136,21 +154,25 @@ impl Recorder {
     }
 
     /// Stores the number of lost samples of a channel.
-    pub(crate) fn lost(&mut self, lost: Lost) {
+    pub fn lost(&mut self, lost: Lost) {
         if let Some(told) = self.channels.get_mut(&lost.channel) {
             told.lost = lost.lost;
         }
     }
 
     /// Samples and notes written so far, and those lost.
-    pub(crate) fn counts(&self) -> (u64, u64) {
+    #[must_use]
+    pub fn counts(&self) -> (u64, u64) {
         let all = self.channels.values();
         all.fold((0, 0), |(messages, lost), told| (messages + told.messages, lost + told.lost))
     }
 
     /// Writes out everything received so far, so that it is in the file even if this process is
     /// killed.
-    pub(crate) fn save(&mut self) -> Result<(), WriteError> {
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn save(&mut self) -> Result<(), WriteError> {
         if self.unsaved > 0 {
             (self.saved, self.unsaved) = (self.saved + 1, 0);
         }
@@ -171,8 +193,27 @@ impl Recorder {
         why.map_err(|why| WriteError::Full { path: self.path.clone(), written, why })
     }
 
+    /// Adds a record of metadata.
+    ///
+    /// # Errors
+    /// There is no room for it, or it cannot be written.
+    pub fn tell(
+        &mut self,
+        name: &str,
+        metadata: BTreeMap<String, String>,
+    ) -> Result<(), WriteError> {
+        let texts = metadata.iter().map(|(key, value)| key.len() + value.len() + 8);
+        self.reach(texts.sum::<usize>() as u64 + OF_CHANNEL)?;
+        let record = Metadata { name: name.to_owned(), metadata };
+        let written = self.writer.write_metadata(&record);
+        written.map_err(|why| broken(&self.path, &self.written, &why))
+    }
+
     /// Completes the file with its index and the numbers of lost samples.
-    pub(crate) fn finish(mut self, complete: bool) -> Result<Vec<ChannelSummary>, WriteError> {
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn finish(mut self, complete: bool) -> Result<Vec<ChannelSummary>, WriteError> {
         let mut metadata = BTreeMap::from([("complete".to_owned(), complete.to_string())]);
         let mut all: BTreeMap<String, ChannelSummary> = BTreeMap::new();
         // A component that was unloaded and loaded again has two channels of the same topic.
@@ -201,10 +242,11 @@ impl Recorder {
 
 /// Writes the beginning of a recording.
 fn begin(
+    program: &str,
     file: Counted<BufWriter<File>>,
     start: &Start,
 ) -> Result<Writer<Counted<BufWriter<File>>>, McapError> {
-    let library = format!("genomctl {}", env!("CARGO_PKG_VERSION"));
+    let library = format!("{program} {}", env!("CARGO_PKG_VERSION"));
     let mut writer = WriteOptions::new().compression(None).library(library).create(file)?;
     writer.write_metadata(&Metadata {
         name: "genom".to_owned(),

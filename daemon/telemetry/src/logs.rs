@@ -33,7 +33,7 @@ const PARTS: [&str; 9] = [
 static PAST: LazyLock<Numbers> = LazyLock::new(|| Numbers::new(Dates::default()));
 
 /// The latest entries, to which listeners can subscribe.
-pub(crate) fn past() -> &'static Numbers {
+pub fn past() -> &'static Numbers {
     &PAST
 }
 
@@ -46,21 +46,30 @@ const QUIET: &str = "rustdds=off,zenoh_link_unixsock_stream=error,\
 
 /// Why logging could not be started.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum LogsError {
+pub enum LogsError {
+    /// The filter is none.
     #[error("--log {filter}: {source}; write for instance info,genomd=debug")]
-    Filter { filter: String, source: ParseError },
+    Filter {
+        /// The filter.
+        filter: String,
+        /// What is wrong with it.
+        source: ParseError,
+    },
     /// Another logger is installed in the process.
     #[error(transparent)]
     Taken(#[from] TryInitError),
 }
 
 /// Starts logging. With `spans`, spans of services are exported, whatever the filter of the log.
-pub(crate) fn start(filter: &str, spans: bool) -> Result<(), LogsError> {
+///
+/// # Errors
+/// The filter is none, or another logger is installed.
+pub fn start(filter: &str, spans: bool) -> Result<(), LogsError> {
     let passes = || {
         EnvFilter::try_new(format!("{QUIET},{}", of_all_parts(filter)))
             .map_err(|source| LogsError::Filter { filter: filter.to_owned(), source })
     };
-    let ours = filter_fn(genom_telemetry::is_ours).with_max_level_hint(LevelFilter::INFO);
+    let ours = filter_fn(crate::is_ours).with_max_level_hint(LevelFilter::INFO);
     let terminal = tracing_subscriber::fmt::layer()
         // Codels may have redirected descriptor 2, or a client's connection may have it.
         .with_writer(StandardError::get)
@@ -69,7 +78,7 @@ pub(crate) fn start(filter: &str, spans: bool) -> Result<(), LogsError> {
     tracing_subscriber::registry()
         .with(terminal.with_filter(passes()?))
         .with(Keep.with_filter(passes()?))
-        .with(spans.then(|| genom_telemetry::Exported.with_filter(ours)))
+        .with(spans.then(|| crate::Exported.with_filter(ours)))
         .try_init()?;
     Ok(())
 }
@@ -110,7 +119,7 @@ fn now() -> f64 {
 }
 
 /// An entry that stands for those a reader missed.
-pub(crate) fn missed(count: u64) -> LogEntry {
+pub fn missed(count: u64) -> LogEntry {
     let message = format!("{count} entries before this one are not kept any more");
     let (level, origin) = (Grade::Warn, "genomd".to_owned());
     LogEntry { time: now(), level, origin, component: None, message }
