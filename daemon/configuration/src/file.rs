@@ -39,6 +39,8 @@ pub struct Config {
     pub clock: ClockKind,
     /// Which threads execute the components.
     pub execution: ExecutionKind,
+    /// Whether components are reloaded when their files change.
+    pub watch: bool,
     /// Whether to lock all memory of the process in RAM (`mlockall`).
     pub lock_memory: bool,
     /// When to check whether codels wrote past their memory.
@@ -108,6 +110,7 @@ impl Default for Config {
             log: "info".to_owned(),
             clock: ClockKind::Monotonic,
             execution: ExecutionKind::Threads,
+            watch: false,
             lock_memory: false,
             check_memory: MemoryCheck::Pauses,
             start_timeout: 60,

@@ -90,6 +90,9 @@ pub(crate) struct Cli {
     /// process, in the order of deadlines [default: threads].
     #[arg(long, value_name = "HOW")]
     pub(crate) execution: Option<ExecutionKind>,
+    /// Reload a component whenever its library or description changes on disk: save, make, running.
+    #[arg(long)]
+    pub(crate) watch: bool,
     /// What to log on standard error: error, warn, info, debug, trace, or a filter such as
     /// info,genomd=debug [default: info].
     #[arg(long, value_name = "FILTER")]
@@ -119,6 +122,7 @@ impl Cli {
         config.backend = self.backend.clone().unwrap_or(config.backend);
         config.log = self.log.clone().unwrap_or(config.log);
         config.clock = self.clock.unwrap_or(config.clock);
+        config.watch |= self.watch;
         config.execution = self.execution.unwrap_or(config.execution);
         config.path = [self.path.clone(), self.genom_path.clone(), config.path].concat();
         config.include = [self.include.clone(), config.include].concat();

@@ -174,6 +174,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     }
     open_backend(supervisor).await?;
     supervisor.watch().map_err(Refusal::own)?;
+    supervisor.watch_files().map_err(Refusal::own)?;
     let exporter = settings.collector.clone().map(|collector| {
         let name = daemon.name.clone();
         tokio::spawn(genom_telemetry::export(collector, name, supervisor.closed.clone()))

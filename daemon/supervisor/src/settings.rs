@@ -21,6 +21,8 @@ pub struct Settings {
     pub clock: ClockKind,
     /// Which threads execute the components.
     pub execution: ExecutionKind,
+    /// Whether components are reloaded when their files change.
+    pub watch: bool,
     /// How long the start codel of a task may take before loading fails.
     pub start_timeout: Duration,
     /// How long a component may take to stop before it is left behind.
@@ -44,6 +46,7 @@ impl From<Config> for Settings {
             include: config.include,
             clock: config.clock,
             execution: config.execution,
+            watch: config.watch,
             start_timeout: Duration::from_secs(config.start_timeout),
             stop_timeout: Duration::from_secs(config.stop_timeout),
             stuck_after: Duration::from_secs(config.stuck_after),

@@ -7,6 +7,7 @@
 
 mod error;
 mod native;
+mod watch;
 
 use std::thread;
 use std::time::Duration;

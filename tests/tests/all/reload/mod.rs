@@ -3,6 +3,7 @@
 mod growth;
 mod kept;
 mod refused;
+mod watched;
 
 use std::fs;
 use std::path::{Path, PathBuf};
