@@ -337,7 +337,9 @@ impl Cell {
         self.enter(CellState::Starting);
         self.with(|state| state.starts += 1);
         // Of a process whose end no daemon saw.
-        let _ = self.place.taken_broken_rule();
+        if let Some((why, _)) = self.place.taken_broken_rule() {
+            tracing::warn!("cell {} had been ended by its supervision: {why}", self.name);
+        }
         let started = match self.setup.write_config(&self.name, &self.place) {
             Ok(()) => {
                 let memory = self.setup.boxes.begin(&self.name);
