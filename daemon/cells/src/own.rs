@@ -7,7 +7,7 @@ use std::os::unix::fs::OpenOptionsExt as _;
 use std::os::unix::net::UnixStream as StdStream;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::blackbox::Lease;
 use crate::journal;
@@ -83,7 +83,10 @@ impl OwnCell {
         genom_host::abort_in(thread);
         // A codel may block the signal, or its stack be of no use.
         let spawned = std::thread::Builder::new().name("genomd-end".to_owned()).spawn(|| {
-            std::thread::sleep(LAST_WORDS);
+            let end = Instant::now() + LAST_WORDS;
+            while let Some(left) = end.checked_duration_since(Instant::now()) {
+                std::thread::park_timeout(left);
+            }
             let _ = kill_process(getpid(), Signal::KILL);
         });
         if spawned.is_err() {

@@ -62,7 +62,7 @@ pub enum LoadError {
     Qos { name: String, port: String, why: String },
     /// A rule of its supervision does not fit it.
     #[error("{name}: supervision: {source}")]
-    Supervision { name: String, source: NoSuchRule },
+    Supervision { name: String, source: Box<NoSuchRule> },
     /// A start codel failed (genom3.md 7.2).
     #[error("{name} does not start: {why}")]
     Start { name: String, why: String },

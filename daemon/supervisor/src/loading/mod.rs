@@ -203,8 +203,10 @@ fn check_names(request: &LoadRequest, model: &Model, instance: &str) -> Result<(
     for task in request.tasks.keys() {
         check("task", task, model.tasks.iter().map(|task| task.name.as_str()).collect())?;
     }
-    supervision::rules(request, model)
-        .map_err(|source| LoadError::Supervision { name: instance.to_owned(), source })?;
+    supervision::rules(request, model).map_err(|why| LoadError::Supervision {
+        name: instance.to_owned(),
+        source: Box::new(why),
+    })?;
     for attribute in request.attributes.keys() {
         let attributes = model.services.iter().filter(|one| one.kind == ServiceKind::Attribute);
         check("attribute", attribute, attributes.map(|one| one.name.as_str()).collect())?;

@@ -49,7 +49,7 @@ pub(super) fn start(
         options.tasks.insert(task.clone(), terms::task_options(entry).map_err(refused)?);
     }
     options.rules = supervision::rules(&request, plan.component())
-        .map_err(|source| LoadError::Supervision { name: name.clone(), source })?;
+        .map_err(|why| LoadError::Supervision { name: name.clone(), source: Box::new(why) })?;
     let (bus, reactions) = (&supervisor.bus, &supervisor.reactions);
     let guard = Guard::new(&name, bus, reactions, &request.supervision);
     let starting = Starting {
