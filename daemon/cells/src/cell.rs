@@ -133,6 +133,11 @@ impl Cell {
         })
     }
 
+    /// Whether it is a gateway.
+    pub(crate) fn is_gateway(&self) -> bool {
+        genom_gateway::middleware_of(&self.name).is_some()
+    }
+
     /// Whether a component is in it, or is to be when it is back.
     #[must_use]
     pub fn holds(&self, component: &str) -> bool {
@@ -218,6 +223,13 @@ impl Cell {
         self.order.send_if_modified(|order| *order == Order::Run);
     }
 
+    /// Starts its process again, when it has none and will get none.
+    pub(crate) fn start_if_failed(&self) {
+        if *self.phase.borrow() == CellState::Failed {
+            self.start_again();
+        }
+    }
+
     /// Asks for its end: its components stop as they should.
     pub(crate) fn ask_to_stop(&self) {
         self.order.send_replace(Order::Stop);
@@ -260,7 +272,9 @@ impl Cell {
                 state.last_end = Some(self.setup.explain(&self.name, &end));
             });
             order.mark_unchanged();
-            if self.is_stopping() {
+            // A gateway that nobody uses ends by itself.
+            let unused = self.is_gateway() && end == End::Exited(0);
+            if self.is_stopping() || unused {
                 break;
             }
             let delay = self.after(&end, asked, &mut restarts);
@@ -300,7 +314,9 @@ impl Cell {
         };
         self.with(|state| state.held = held);
         let names: Vec<String> = kept.component.iter().map(|one| one.instance()).collect();
-        if let Err(error) = journal::write(&self.place.journal(), &kept) {
+        if !self.is_gateway()
+            && let Err(error) = journal::write(&self.place.journal(), &kept)
+        {
             tracing::error!("cell {}: its journal cannot be written: {error}", self.name);
         }
         self.with(|state| state.components.clone_from(&names));
@@ -308,11 +324,14 @@ impl Cell {
         let delay = if matches!(end, End::Refused(_)) {
             tracing::error!("cell {cell} does not start: {why}");
             None
-        } else if names.is_empty() {
+        } else if names.is_empty() && !self.is_gateway() {
             tracing::error!("cell {cell} ended: {why}; nothing in it is to be restarted");
             None
         } else {
             let delay = restarts.next(&self.setup.settings, Instant::now());
+            // Others need it for as long as it takes: it is never given up.
+            let longest = self.is_gateway().then_some(self.setup.settings.restart_delay_max);
+            let delay = delay.or(longest);
             match delay {
                 Some(delay) => {
                     tracing::warn!(

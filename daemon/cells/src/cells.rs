@@ -8,6 +8,7 @@ use genom_protocol::{Component, CrashReport, Crashes, LoadRequest, Unloaded, rou
 use rustix::process::Signal;
 use tokio::task::JoinSet;
 
+use crate::bell::Bell;
 use crate::cell::{Cell, Down};
 use crate::client::{AskError, Client};
 use crate::crashes::StoreError;
@@ -45,6 +46,8 @@ pub enum OpenError {
 pub struct Cells {
     setup: Arc<Setup>,
     all: Mutex<BTreeMap<String, Arc<Cell>>>,
+    /// Rung by processes that need a gateway.
+    bell: Mutex<Option<Bell>>,
 }
 
 impl std::fmt::Debug for Cells {
@@ -57,7 +60,7 @@ impl Cells {
     /// None yet.
     #[must_use]
     pub fn new(setup: Setup) -> Self {
-        Self { setup: Arc::new(setup), all: Mutex::default() }
+        Self { setup: Arc::new(setup), all: Mutex::default(), bell: Mutex::default() }
     }
 
     /// Reports of those that crashed.
@@ -90,10 +93,26 @@ impl Cells {
         work(&mut all)
     }
 
-    /// All of them.
+    /// Those for components.
     #[must_use]
     pub fn all(&self) -> Vec<Arc<Cell>> {
+        let mut all = self.with_gateways();
+        all.retain(|cell| !cell.is_gateway());
+        all
+    }
+
+    /// Those for components, and gateways.
+    #[must_use]
+    pub fn with_gateways(&self) -> Vec<Arc<Cell>> {
         self.with(|all| all.values().map(Arc::clone).collect())
+    }
+
+    pub(crate) fn setup(&self) -> &Setup {
+        &self.setup
+    }
+
+    pub(crate) fn bell(&self) -> &Mutex<Option<Bell>> {
+        &self.bell
     }
 
     /// The cell of this name.
@@ -121,13 +140,20 @@ impl Cells {
                 cell.ended().await;
                 return Box::pin(self.open(name, library)).await;
             }
+            Some(cell) if cell.is_gateway() => {
+                let error = PlaceError::Gateway(name.to_owned());
+                return Err(OpenError::Place(Arc::new(error)));
+            }
             Some(cell) => {
                 self.grant(name, cell.place(), library);
                 cell.start_again();
                 cell
             }
             None => {
-                let place = Place::new(&place::of_all(&self.setup.socket), name);
+                let place = match genom_gateway::middleware_of(name) {
+                    Some(_) => Err(PlaceError::Gateway(name.to_owned())),
+                    None => Place::new(&place::of_all(&self.setup.socket), name),
+                };
                 let place = place.and_then(|place| place.make().map(|()| place));
                 let place = place.map_err(|error| OpenError::Place(Arc::new(error)))?;
                 self.grant(name, &place, library);
@@ -176,7 +202,7 @@ impl Cells {
         opening.join_all().await;
     }
 
-    fn begin(&self, name: &str, place: Place, found: Option<Process>) -> Arc<Cell> {
+    pub(crate) fn begin(&self, name: &str, place: Place, found: Option<Process>) -> Arc<Cell> {
         self.with(|all| {
             let begin = || Cell::begin(name, place, &self.setup, found);
             Arc::clone(all.entry(name.to_owned()).or_insert_with(begin))
@@ -249,6 +275,10 @@ impl Cells {
     /// as they are, those that ended meanwhile are started with what they held.
     pub async fn adopt(&self) {
         for (name, place) in Place::found(&place::of_all(&self.setup.socket)) {
+            if self.get(&name).is_some() {
+                // A gateway that was needed already.
+                continue;
+            }
             let process = match left(&place, &name) {
                 Some(pid) => self.living(&name, &place, pid).await,
                 None => None,
@@ -268,7 +298,7 @@ impl Cells {
     }
 
     /// A process that a daemon before this one started, if it answers; else it is killed.
-    async fn living(&self, name: &str, place: &Place, pid: u32) -> Option<Process> {
+    pub(crate) async fn living(&self, name: &str, place: &Place, pid: u32) -> Option<Process> {
         let process = Process::found(pid, Some(place)).ok()?;
         let client = Client::new(&place.socket());
         let about = routes::about();

@@ -13,6 +13,7 @@
 #![forbid(unsafe_code)]
 
 mod asking;
+mod bell;
 mod blackbox;
 mod cell;
 mod cells;
@@ -20,6 +21,7 @@ mod client;
 mod crashes;
 mod end;
 mod follow;
+mod gateway;
 pub mod journal;
 pub mod merge;
 pub mod own;

@@ -15,6 +15,7 @@ use crate::place::Place;
 use genom_configuration::{
     BackendNames, Config, ConfigError, Deployment, LoadRequest, WithoutDaemon,
 };
+use genom_gateway::{Listening, Server};
 use genom_host::keep_from_children;
 use genom_limits::{Grants, LimitError};
 use genom_supervisor::Supervisor;
@@ -38,6 +39,8 @@ pub struct OwnCell {
     before: Deployment,
     /// Held while the journal is written.
     writing: Mutex<()>,
+    /// Of a gateway: serves those who use it.
+    serves: Mutex<Option<Listening>>,
 }
 
 impl OwnCell {
@@ -48,7 +51,8 @@ impl OwnCell {
     pub fn new(config: &Path) -> Result<Self, ConfigError> {
         let place = Place::of_config(config);
         let before = journal::read(&place.journal())?;
-        Ok(Self { place, before, writing: Mutex::default() })
+        let (writing, serves) = (Mutex::default(), Mutex::default());
+        Ok(Self { place, before, writing, serves })
     }
 
     /// Prepares for a crash: a note for the daemon, and a core dump only where it is asked for.
@@ -63,6 +67,42 @@ impl OwnCell {
         };
         if let Err(error) = prepare() {
             tracing::warn!("a crash of this cell will not be told in full: {error}");
+        }
+    }
+
+    /// Of a gateway: serves its middleware, which is open, until nobody uses it any more.
+    ///
+    /// # Errors
+    /// Its socket cannot be opened.
+    pub fn serve(&self, supervisor: &Arc<Supervisor>) -> io::Result<()> {
+        let Some(middleware) = self.gateway_of() else { return Ok(()) };
+        let Some(open) = supervisor.backends.opened(middleware) else { return Ok(()) };
+        let listening = Server::listen(&self.place.ends(), open)?;
+        let (unused, supervisor) = (listening.unused(), Arc::clone(supervisor));
+        std::thread::Builder::new().name("gateway-unused".to_owned()).spawn(move || {
+            unused();
+            supervisor.ask_to_stop("nobody uses this gateway any more");
+        })?;
+        *self.serves.lock().unwrap_or_else(PoisonError::into_inner) = Some(listening);
+        Ok(())
+    }
+
+    /// Closes its gateway, if it is one.
+    pub fn close(&self) {
+        let listening = self.serves.lock().unwrap_or_else(PoisonError::into_inner).take();
+        drop(listening);
+    }
+
+    /// The middleware whose gateway this process is.
+    fn gateway_of(&self) -> Option<&str> {
+        self.place.name().and_then(genom_gateway::middleware_of)
+    }
+
+    /// Writes down, for the daemon, why the middleware of this gateway cannot be opened: another
+    /// attempt would change nothing.
+    pub fn cannot_open(&self, why: &str) {
+        if self.gateway_of().is_some() {
+            let _ = std::fs::write(self.place.refusal(), why);
         }
     }
 

@@ -31,6 +31,9 @@ pub enum PlaceError {
     /// The name cannot stand in a path, or in messages.
     #[error("`{0}` is no name of a cell: up to 32 letters, digits, `_` and `-`, a letter first")]
     Name(String),
+    /// The name of a gateway.
+    #[error("`{0}` is a name of a gateway: give the cell another one")]
+    Gateway(String),
     /// The socket would have a longer path than the system takes.
     #[error("{} is too long for a socket: give the daemon a shorter --socket", .0.display())]
     Long(PathBuf),
@@ -125,10 +128,20 @@ impl Place {
         self.0.join("socket")
     }
 
+    /// Name of the cell.
+    pub(crate) fn name(&self) -> Option<&str> {
+        self.0.file_name()?.to_str()
+    }
+
     /// How it is to run.
     #[must_use]
     pub fn config(&self) -> PathBuf {
         self.0.join("config.toml")
+    }
+
+    /// Of a gateway: where those who use it connect.
+    pub(crate) fn ends(&self) -> PathBuf {
+        self.0.join("ends")
     }
 
     /// What it is to hold.

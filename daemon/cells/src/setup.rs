@@ -109,6 +109,16 @@ impl Setup {
     /// Writes how a cell is to run: as the daemon, but with a socket of its own, and with what
     /// components hold in common with none but the daemon's on shared memory.
     pub(crate) fn write_config(&self, name: &str, place: &Place) -> Result<(), WriteError> {
+        Ok(fs::write(place.config(), self.config_of(name, place)?)?)
+    }
+
+    /// Whether what runs there was configured as it would be now.
+    pub(crate) fn wrote_config(&self, name: &str, place: &Place) -> bool {
+        let wanted = self.config_of(name, place).ok();
+        fs::read_to_string(place.config()).ok().is_some_and(|text| Some(text) == wanted)
+    }
+
+    fn config_of(&self, name: &str, place: &Place) -> Result<String, WriteError> {
         let mut config = self.config.clone();
         // Relative ones are found from the daemon's directory, not from that of the cell's file.
         config.path.iter_mut().chain(&mut config.include).for_each(make_absolute);
@@ -122,16 +132,32 @@ impl Setup {
         config.rpc.listen = None;
         config.rpc.tls = None;
         config.rpc.token_file = None;
+        if let Some(middleware) = genom_gateway::middleware_of(name) {
+            middleware.clone_into(&mut config.backend);
+            config.gateways.of.clear();
+        }
+        // Relative to the daemon's directory.
+        let daemon = std::path::absolute(&self.socket)?;
+        config.gateways.daemon = Some(config.gateways.daemon.unwrap_or(daemon));
         if config.backend == "local" {
             "shm".clone_into(&mut config.backend);
         }
-        Ok(fs::write(place.config(), config.text()?)?)
+        Ok(config.text()?)
+    }
+
+    /// What holds for cells does not for gateways, which need the network: they have sections of
+    /// their own.
+    fn limits_of(&self, name: &str) -> CellLimits {
+        match genom_gateway::middleware_of(name) {
+            Some(_) => self.config.cell.get(name).cloned().unwrap_or_default(),
+            None => self.config.limits_of(name),
+        }
     }
 
     /// What a cell may use. In a sandbox it reads its libraries, and has temporary files of its
     /// own.
     fn limits(&self, name: &str, place: &Place) -> io::Result<CellLimits> {
-        let mut limits = self.config.limits_of(name);
+        let mut limits = self.limits_of(name);
         limits.read.iter_mut().chain(&mut limits.write).flatten().for_each(make_absolute);
         if limits.is_sandbox() {
             let granted = limits.read.get_or_insert_default();
@@ -143,7 +169,7 @@ impl Setup {
 
     /// How a cell ended, with the limit that it may have reached.
     pub(crate) fn explain(&self, name: &str, end: &End) -> String {
-        let limits = self.config.limits_of(name);
+        let limits = self.limits_of(name);
         let End::Signal(signal) = end else { return end.to_string() };
         let memory = [Signal::ABORT, Signal::SEGV, Signal::BUS];
         match (limits.memory, limits.rttime) {

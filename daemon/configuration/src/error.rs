@@ -33,6 +33,9 @@ pub enum UsageError {
     /// `max_activities` is 0 or above [`MOST_ACTIVITIES`].
     #[error("max_activities = {0}: give 1 to {MOST_ACTIVITIES}")]
     Activities(usize),
+    /// A name in `[gateways]`.
+    #[error("gateways.of: {0}")]
+    Gateway(String),
     /// A number of `[cells]`.
     #[error("cells.{key} = {value}: {what}")]
     Cells { key: String, value: f64, what: String },

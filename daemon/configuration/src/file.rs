@@ -16,6 +16,7 @@ use crate::blackbox::BlackBoxSection;
 use crate::cells::CellsSection;
 use crate::crashes::CrashesSection;
 use crate::error::{ConfigError, UsageError, WhichDaemon};
+use crate::gateways::GatewaysSection;
 use crate::levels;
 use crate::limits::CellLimits;
 use crate::offers::Offers;
@@ -57,6 +58,8 @@ pub struct Config {
     pub rpc: Rpc,
     /// Processes of their own for components.
     pub cells: CellsSection,
+    /// Middlewares in processes of their own.
+    pub gateways: GatewaysSection,
     /// Reports of cells that crashed.
     pub crashes: CrashesSection,
     /// What is kept of the last seconds.
@@ -119,6 +122,7 @@ impl Default for Config {
             max_activities: ACTIVITY_LIMIT,
             rpc: Rpc::default(),
             cells: CellsSection::default(),
+            gateways: GatewaysSection::default(),
             crashes: CrashesSection::default(),
             blackbox: BlackBoxSection::default(),
             cell: BTreeMap::new(),

@@ -11,6 +11,7 @@ mod cells;
 mod crashes;
 mod error;
 mod file;
+mod gateways;
 pub mod levels;
 mod limits;
 mod offers;
@@ -29,6 +30,7 @@ pub use error::{
     ConfigError, MOST_ACTIVITIES, NoCollector, NoLevel, NoPeriod, SetError, UsageError, WhichDaemon,
 };
 pub use file::{Config, MemoryCheck, Telemetry};
+pub use gateways::GatewaysSection;
 pub use genom_protocol::{
     Act, BackendNames, CallEntry, ClockKind, Condition, ConnectionEntry, Deed, Deployment,
     ExecutionKind, LoadRequest, OwnResponse, PortQos, QosEntry, Reaction, Right, SupervisionEntry,

@@ -4,7 +4,7 @@ use std::io;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use genom_doors::Desk;
-use genom_middleware::{AnnounceError, Middleware, Relay};
+use genom_middleware::{AnnounceError, Middleware};
 use tokio::runtime::Handle;
 
 /// Announcements, each with a name. Dropping the value withdraws the announcement.
@@ -18,13 +18,13 @@ impl Announcements {
         &self,
         names: &[String],
         on: &dyn Middleware,
-        open: impl Fn(&str, &dyn Relay) -> io::Result<Arc<Desk>>,
+        open: impl Fn(&str) -> io::Result<Arc<Desk>>,
         runtime: &Handle,
     ) {
         let Some(relay) = on.relay() else { return };
         let mut refused = None;
         for name in names {
-            let desk = match open(name, relay) {
+            let desk = match open(name) {
                 Ok(desk) => desk,
                 Err(error) => return tracing::warn!("this daemon is not reachable there: {error}"),
             };

@@ -13,7 +13,7 @@ use genom_doors::{
     Certificates, Desk, Door, Entrance, Listener, Log, Most, Socket, Tokens, acceptor, serve,
 };
 use genom_host::{KeptProcess, StandardError, keep_from_children, keep_off};
-use genom_middleware::{Middleware, Relay};
+use genom_middleware::Middleware;
 use genom_protocol::{CellState, DeploymentRequest};
 use genom_supervisor::Supervisor;
 use genom_supervisor::deploy::ApplyError;
@@ -129,15 +129,18 @@ async fn open_tcp(
 fn announce(daemon: &Arc<Daemon>, tokens: &Arc<Tokens>, log: Arc<Log>) {
     let (weak, runtime) = (Arc::downgrade(daemon), Handle::current());
     let (tokens, names) = (Arc::clone(tokens), announcements::names(daemon.name.as_deref()));
-    daemon.supervisor.backends.on_open(move |on: &dyn Middleware| {
+    daemon.supervisor.backends.on_open(move |on: &Arc<dyn Middleware>| {
         let Some(daemon) = weak.upgrade().filter(|_| on.relay().is_some()) else { return };
         // Anybody on the network can send messages here: clients are identified by their proofs.
         let router = rpc::router(&daemon, &tokens, Door::proved(Arc::clone(&log)));
-        let open = |name: &str, relay: &dyn Relay| {
-            let most = daemon.rpc.max_body;
-            Desk::new(&tokens, name, relay.own(), on.name(), router.clone(), most)
+        let open = |name: &str| {
+            let (most, weak) = (daemon.rpc.max_body, Arc::downgrade(on));
+            // Another one when a gateway was started again.
+            let at = move || Some(weak.upgrade()?.relay()?.own());
+            let at = move || at().unwrap_or_default();
+            Desk::new(&tokens, name, at, on.name(), router.clone(), most)
         };
-        daemon.announcements.announce(&names, on, open, &runtime);
+        daemon.announcements.announce(&names, on.as_ref(), open, &runtime);
     });
 }
 
@@ -172,7 +175,15 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
         }
         None => announce(&daemon, &tokens, Arc::clone(&log)),
     }
-    open_backend(supervisor).await?;
+    if daemon.own_cell.is_none() {
+        daemon.cells.start_gateways().map_err(Refusal::own)?;
+    }
+    let opened = open_backend(supervisor).await;
+    if let Some(own) = &daemon.own_cell {
+        let _ = opened.as_ref().inspect_err(|refusal| own.cannot_open(&refusal.message));
+        own.serve(supervisor).map_err(Refusal::own)?;
+    }
+    opened?;
     supervisor.watch().map_err(Refusal::own)?;
     supervisor.watch_files().map_err(Refusal::own)?;
     let exporter = settings.collector.clone().map(|collector| {
@@ -456,7 +467,9 @@ async fn stop(daemon: &Daemon) -> Result<(), Refusal> {
         Refusal::left_behind(format!("stopping the components ended badly: {error}"))
     })?;
     daemon.announcements.withdraw();
+    daemon.own_cell.iter().for_each(|own| own.close());
     supervisor.backends.close();
+    daemon.cells.stop_gateways().await;
     // Including those left behind by earlier requests.
     let left = supervisor.components.left_behind();
     if left.is_empty() {

@@ -7,6 +7,8 @@ use genom_configuration::{
     CellSettings, Config, Deployment, LoadRequest, MOST_ACTIVITIES, MemoryCheck, RpcSettings,
     UsageError, levels,
 };
+use genom_gateway::Reach;
+use genom_registry::Gateways;
 use genom_supervisor::settings::Settings as Supervised;
 
 use crate::cli::Cli;
@@ -57,6 +59,7 @@ impl Settings {
         let cells = CellSettings::new(&config.cells)?;
         config.check_limits()?;
         config.services.check()?;
+        config.gateways.check()?;
         config.blackbox.check()?;
         if !(1..=MOST_ACTIVITIES).contains(&config.max_activities) {
             return Err(UsageError::Activities(config.max_activities));
@@ -85,6 +88,12 @@ impl Settings {
             UsageError::Daemon { file, why }
         })?;
         deployment.component.extend(components);
+        let mut supervised = Supervised::from(config.clone());
+        if !config.gateways.of.is_empty() {
+            let daemon = config.gateways.daemon.as_ref().unwrap_or(&rpc.socket);
+            let (of, reach) = (config.gateways.of.clone(), Reach::new(daemon));
+            supervised.gateways = Some(Gateways { of, reach });
+        }
         let collector = config.telemetry.otlp.as_deref().map(Collector::parse).transpose();
         let collector = collector.map_err(UsageError::Collector)?;
         Ok(Self {
@@ -101,7 +110,7 @@ impl Settings {
             own_cell: None,
             invitation: Invitation::default(),
             lease: None,
-            supervisor: config.clone().into(),
+            supervisor: supervised,
             config,
         })
     }

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Instant;
 
+use genom_gateway::{Proxy, Reach};
 use genom_middleware::Middleware;
 
-use crate::known::{BackendError, check};
+use crate::known::{BackendError, Known, SectionError, check};
 
 /// A type or service that a middleware shows under a foreign name.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,10 +19,20 @@ pub(crate) struct Disguise {
     pub(crate) foreign: String,
 }
 
+/// Middlewares that are opened in processes of their own.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Gateways {
+    /// Their names.
+    pub of: Vec<String>,
+    /// Where their processes are.
+    pub reach: Reach,
+}
+
 /// The middlewares in use. Each is opened when first needed, and stays open.
 pub struct Backends {
     /// Their sections of the configuration, by name.
     options: BTreeMap<String, toml::Table>,
+    gateways: Option<Gateways>,
     pub(crate) open: Mutex<Open>,
     /// Called with each middleware when it opens.
     opens: OnceLock<Box<OnOpen>>,
@@ -33,7 +44,7 @@ pub struct Backends {
 /// The open middlewares, by name, and when each was opened.
 type Open = BTreeMap<&'static str, (Arc<dyn Middleware>, Instant)>;
 
-type OnOpen = dyn Fn(&dyn Middleware) + Send + Sync;
+type OnOpen = dyn Fn(&Arc<dyn Middleware>) + Send + Sync;
 
 impl Backends {
     /// No middleware is open at first. `options` are the sections `[backends.NAME]` of the
@@ -41,15 +52,33 @@ impl Backends {
     pub fn new(options: BTreeMap<String, toml::Table>) -> Self {
         Self {
             options,
+            gateways: None,
             open: Mutex::default(),
             opens: OnceLock::new(),
             masquerades: Mutex::default(),
         }
     }
 
+    /// The same, with some of them in processes of their own.
+    #[must_use]
+    pub fn through(self, gateways: Option<Gateways>) -> Self {
+        Self { gateways, ..self }
+    }
+
+    fn make(&self, known: &Known) -> Result<Arc<dyn Middleware>, SectionError> {
+        let gateways = self.gateways.as_ref();
+        if let Some(Gateways { reach, .. }) =
+            gateways.filter(|all| all.of.iter().any(|name| name == known.name))
+        {
+            let proxy = Proxy::open(known.name, reach.clone()).map_err(SectionError::refused)?;
+            return Ok(Arc::new(proxy));
+        }
+        (known.open)(self.options.get(known.name).unwrap_or(&toml::Table::new()))
+    }
+
     /// Sets a function to be called with each middleware when it opens. Only the first call has an
     /// effect; make it before the first middleware is opened.
-    pub fn on_open(&self, told: impl Fn(&dyn Middleware) + Send + Sync + 'static) {
+    pub fn on_open(&self, told: impl Fn(&Arc<dyn Middleware>) + Send + Sync + 'static) {
         let _ = self.opens.set(Box::new(told));
     }
 
@@ -60,8 +89,9 @@ impl Backends {
             return Ok(Arc::clone(middleware));
         }
         let known = check(name)?;
-        let middleware = (known.open)(self.options.get(known.name).unwrap_or(&toml::Table::new()))
-            .map_err(|why| BackendError::Closed { name: name.to_owned(), why })?;
+        let opened = self.make(&known);
+        let middleware =
+            opened.map_err(|why| BackendError::Closed { name: name.to_owned(), why })?;
         open.insert(known.name, (Arc::clone(&middleware), Instant::now()));
         let masquerades = self.masquerades();
         for (one, _) in masquerades.iter().filter(|(one, _)| one.on == known.name) {
@@ -70,7 +100,7 @@ impl Backends {
         drop(masquerades);
         drop(open);
         if let Some(told) = self.opens.get() {
-            told(middleware.as_ref());
+            told(&middleware);
         }
         Ok(middleware)
     }

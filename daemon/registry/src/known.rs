@@ -16,6 +16,8 @@ pub struct Known {
     pub name: &'static str,
     /// Version of the library that implements it.
     pub version: &'static str,
+    /// Whether it can be opened in a process of its own.
+    pub gateway: bool,
     /// Checks its section of the configuration, without opening anything.
     pub(crate) check: fn(&toml::Table) -> Result<(), SectionError>,
     /// Where it makes files, with its section of the configuration.
@@ -29,6 +31,7 @@ impl Known {
         Self {
             name: B::NAME,
             version: B::VERSION,
+            gateway: B::GATEWAY,
             check: |section| B::check(&read(section)?).map_err(SectionError::refused),
             places: |section| Ok(B::places(&read(section)?)),
             open: |section| B::open(read(section)?).map_err(SectionError::refused),
@@ -100,7 +103,7 @@ pub enum SectionError {
 }
 
 impl SectionError {
-    fn refused(error: impl Display) -> Self {
+    pub(crate) fn refused(error: impl Display) -> Self {
         Self::Refused(error.to_string())
     }
 }
@@ -122,6 +125,9 @@ pub enum BackendError {
     /// It cannot be opened on this machine.
     #[error("backend {name} cannot be opened: {why}")]
     Closed { name: String, why: SectionError },
+    /// It cannot be opened in a process of its own.
+    #[error("{name} has no gateway: gateways are for {}", with_gateway())]
+    NoGateway { name: String },
     /// A foreign type that a description names is not valid.
     #[error("#pragma masquerade: {0}")]
     Masquerade(#[from] NoForeignName),
@@ -135,6 +141,19 @@ fn meant(name: &str) -> String {
 
 fn names() -> String {
     known().iter().map(|known| known.name).collect::<Vec<_>>().join(", ")
+}
+
+fn with_gateway() -> String {
+    let names = known().iter().filter(|known| known.gateway).map(|known| known.name);
+    names.collect::<Vec<_>>().join(" and ")
+}
+
+/// Fails if no middleware has that name, or it cannot be opened in a process of its own.
+pub fn check_gateway(name: &str) -> Result<(), BackendError> {
+    match check(name)?.gateway {
+        true => Ok(()),
+        false => Err(BackendError::NoGateway { name: name.to_owned() }),
+    }
 }
 
 /// Fails if no middleware has that name.
@@ -168,6 +187,14 @@ mod tests {
             "unknown backend `smh` (did you mean `shm`?). This daemon knows: local, shm, zenoh, \
              ros2"
         );
+    }
+
+    #[test]
+    fn a_middleware_of_this_machine_alone_has_no_gateway() {
+        assert!(check_gateway("ros2").is_ok());
+        let told = check_gateway("shm").unwrap_err().to_string();
+        assert_eq!(told, "shm has no gateway: gateways are for zenoh and ros2");
+        assert!(check_gateway("zneoh").unwrap_err().to_string().contains("did you mean `zenoh`"));
     }
 
     #[test]

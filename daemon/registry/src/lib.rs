@@ -9,6 +9,8 @@ mod backends;
 mod known;
 mod masquerade;
 
-pub use backends::Backends;
-pub use known::{BackendError, Known, Sections, check, check_options, known, places};
+pub use backends::{Backends, Gateways};
+pub use known::{
+    BackendError, Known, Sections, check, check_gateway, check_options, known, places,
+};
 pub use masquerade::Masquerade;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use genom_configuration::{ClockKind, Config, ExecutionKind, Offers};
+use genom_registry::Gateways;
 
 /// Settings that apply to all components of a supervisor.
 #[derive(Clone, Debug)]
@@ -13,6 +14,8 @@ pub struct Settings {
     pub backend: String,
     /// Options of middlewares, by name of the middleware.
     pub backends: BTreeMap<String, toml::Table>,
+    /// Middlewares in processes of their own.
+    pub gateways: Option<Gateways>,
     /// Directories searched for components.
     pub path: Vec<PathBuf>,
     /// Directories searched for files that descriptions include.
@@ -42,6 +45,8 @@ impl From<Config> for Settings {
         Self {
             backend: config.backend,
             backends: config.backends,
+            // Who starts their processes is not in the file.
+            gateways: None,
             path: config.path,
             include: config.include,
             clock: config.clock,

@@ -2,8 +2,10 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 /// Index of a type in its [`TypeTable`](crate::TypeTable).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct TypeId(pub(crate) u32);
 
 impl TypeId {
@@ -15,7 +17,7 @@ impl TypeId {
 }
 
 /// A full name such as `::demo::state`, outermost scope first.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct ScopedName(Vec<String>);
 
 impl ScopedName {
@@ -58,7 +60,7 @@ impl fmt::Display for ScopedName {
 }
 
 /// The kind of a type, with the types it is made of.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Kind {
     /// `boolean`, C `bool`.
     Boolean,
@@ -174,10 +176,28 @@ impl Kind {
             _ => None,
         }
     }
+
+    /// The types that it is made of, one after the other.
+    pub(crate) fn parts_mut(&mut self) -> Vec<&mut TypeId> {
+        match self {
+            Kind::Array { element, .. }
+            | Kind::Sequence { element, .. }
+            | Kind::Optional { element } => vec![element],
+            Kind::Typedef { target, .. } => vec![target],
+            Kind::Struct { members, .. } | Kind::Exception { members, .. } => {
+                members.iter_mut().map(|member| &mut member.ty).collect()
+            }
+            Kind::Union { discriminant, members, .. } => {
+                let members = members.iter_mut().map(|member| &mut member.ty);
+                std::iter::once(discriminant).chain(members).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
 }
 
 /// A member of a struct or exception.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Member {
     /// Name as declared; unique within the struct.
     pub name: String,
@@ -186,7 +206,7 @@ pub struct Member {
 }
 
 /// A member of a union, with the labels that select it.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct UnionMember {
     /// Name as declared; unique within the union.
     pub name: String,
@@ -199,7 +219,7 @@ pub struct UnionMember {
 /// A `case` label, as the integer the discriminant takes in memory.
 ///
 /// Booleans are 0 and 1, chars their code, enumerators their rank.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Label {
     /// `case N:`
     Value(i128),

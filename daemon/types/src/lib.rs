@@ -46,6 +46,7 @@
 pub mod cdr;
 pub mod convert;
 mod data_type;
+mod definition;
 mod digest;
 mod equality;
 pub mod foreign;
@@ -65,6 +66,7 @@ pub mod table;
 pub use cdr::{CdrError, CdrProblem};
 pub use convert::Conversion;
 pub use data_type::DataType;
+pub use definition::{Definition, DefinitionError};
 pub use digest::{Digester, digest_of};
 pub use json::{Exact, JsonError, JsonProblem, Places};
 pub use kind::{Kind, Label, Member, ScopedName, TypeId, UnionMember};

@@ -16,6 +16,11 @@ pub struct TypeTable {
 }
 
 impl TypeTable {
+    /// The table of these types, in this order.
+    pub(crate) fn of(kinds: Vec<Kind>) -> Self {
+        Self { kinds, shared: HashMap::new() }
+    }
+
     /// Adds a type and returns its index; a type without a name that is already there is reused.
     pub fn add(&mut self, kind: Kind) -> TypeId {
         let named = kind.name().is_some();

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 /// `<instance>/<port>`, or `<instance>/<port>/<element>` for an element of a multiple port.
 ///
 /// ```
@@ -12,7 +14,7 @@ use std::fmt;
 /// assert_eq!(at, Address::new("arm", "poses/left"));
 /// assert_eq!(Address::parse("arm"), None);
 /// ```
-#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Address {
     /// Instance name of the component.
     pub instance: String,

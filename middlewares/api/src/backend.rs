@@ -19,6 +19,10 @@ pub trait Backend {
     /// Name and version of the library underneath, for people to read: `zenoh 1.10`.
     const VERSION: &'static str;
 
+    /// Whether it can be opened in a process of its own: its subscriptions tell of samples that
+    /// arrive, and nothing is gained from sharing a process with it.
+    const GATEWAY: bool = false;
+
     /// Type of the section `[backends.NAME]`. Every key has a default, and unknown keys are errors
     /// (`#[serde(default, deny_unknown_fields)]`), so that a typing error is reported with its
     /// line.

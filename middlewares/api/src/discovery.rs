@@ -1,6 +1,10 @@
 //! Discovery: which ports and services exist on a middleware, including those of programs that are
 //! not genomd.
 
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
+
 use crate::{Address, DiscoverError};
 
 /// Lists ports and services on a middleware. Backends whose peers do not announce themselves do not
@@ -42,7 +46,7 @@ pub trait Discovery {
 }
 
 /// Kind of an endpoint.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum EndpointKind {
     /// An out port.
     Publisher,
@@ -53,7 +57,7 @@ pub enum EndpointKind {
 }
 
 /// Something visible on a middleware.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Endpoint {
     /// Out port, in port or service.
     pub kind: EndpointKind,
@@ -64,7 +68,7 @@ pub struct Endpoint {
 }
 
 /// A peer that does not announce what it opens, as programs that are not genomd may not.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Stranger {
     /// A reader of one of our out ports; the type that it expects is unknown.
     Reader {
@@ -76,12 +80,12 @@ pub enum Stranger {
         /// Identity of the peer on the middleware.
         name: String,
         /// Role of the peer, in the middleware's terms.
-        role: &'static str,
+        role: Cow<'static, str>,
     },
 }
 
 /// Why two existing ends are not connected, or exchange less than they could.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Obstacle {
     /// The cause, as a sentence without a full stop.
     pub what: String,

@@ -1,9 +1,13 @@
 //! Errors of middlewares, one enum per operation.
 
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
+
 use crate::Address;
 
 /// Opening a publisher or a subscription failed.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum OpenError {
     /// The other side uses another type at this address.
@@ -45,7 +49,7 @@ pub enum OpenError {
 }
 
 /// A type or service cannot masquerade: the foreign name does not have the middleware's form.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, Serialize, Deserialize)]
 #[error("{ours} cannot masquerade as `{foreign}`: write {form}")]
 pub struct NoForeignName {
     /// Full name of the IDL type or service.
@@ -53,7 +57,7 @@ pub struct NoForeignName {
     /// The foreign name as given.
     pub foreign: String,
     /// Form of the middleware's names, such as `package/msg/Type`.
-    pub form: &'static str,
+    pub form: Cow<'static, str>,
 }
 
 /// Publishing failed. Has no heap data, because it is created on the real-time path.
@@ -81,7 +85,7 @@ pub enum ReadError {
 }
 
 /// Listing what is visible failed.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, Serialize, Deserialize)]
 #[error("{backend} cannot list its ports: {why}")]
 pub struct DiscoverError {
     /// Name of the middleware.
@@ -91,7 +95,7 @@ pub struct DiscoverError {
 }
 
 /// A call of a service failed before the service answered.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum CallError {
     /// Nobody serves the address.

@@ -4,7 +4,10 @@
 //! backend implements those it can, and returns itself from the method of that name. Callers use
 //! the methods of `dyn Middleware`, which answer with one uniform error where a concern is missing.
 
+use std::borrow::Cow;
 use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
 
 use crate::{
     Address, Client, DiscoverError, Discovery, Endpoint, NoForeignName, Obstacle, OpenError, Ports,
@@ -36,7 +39,7 @@ pub trait Middleware: Ports + Send + Sync {
 
     /// Settings that a foreign program needs to find the ports of this middleware, as names and
     /// values (for example a domain number). Empty if none are needed.
-    fn meeting_point(&self) -> Vec<(&'static str, String)> {
+    fn meeting_point(&self) -> Vec<(Cow<'static, str>, String)> {
         Vec::new()
     }
 
@@ -62,7 +65,7 @@ pub trait Middleware: Ports + Send + Sync {
 }
 
 /// What a middleware can do. The daemon refuses components that need more when it loads them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Capabilities {
     /// Carries types that hold unbounded strings or sequences.
     pub variable_size: bool,
@@ -79,10 +82,10 @@ pub struct Capabilities {
 }
 
 /// Input from peers that was refused for one reason.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Refused {
     /// The reason, worded as in the log.
-    pub why: &'static str,
+    pub why: Cow<'static, str>,
     /// How often so far.
     pub count: u64,
     /// Sender of the last one, if known.

@@ -1,6 +1,7 @@
 //! Ports on a middleware: what is needed to open one, how samples are read, and its two ends.
 
 use genom_types::{DataType, Record};
+use serde::{Deserialize, Serialize};
 
 use crate::{Address, OpenError, PublishError, Quality, ReadError};
 
@@ -47,7 +48,7 @@ impl<'a> PortSpec<'a> {
 /// Which of the unread samples a reader gets, and how many of them are kept.
 ///
 /// Under each policy a new reader starts with the last value, if there is one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Policy {
     /// Only the newest value, as GenoM3 ports do.
     #[default]
@@ -119,6 +120,14 @@ pub trait Subscription: Send {
     /// # Errors
     /// The sample cannot be decoded, or the middleware fails.
     fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError>;
+
+    /// From now on, calls `told` after each sample that arrives, on a thread of the middleware;
+    /// `told` does not block. A sample that arrived before is not told. Returns whether this
+    /// middleware tells at all: it need not, since codels read when they run.
+    fn on_arrival(&mut self, told: Box<dyn Fn() + Send + Sync>) -> bool {
+        let _ = told;
+        false
+    }
 
     /// Number of samples lost so far: overwritten (ring), dropped (queue) or not decodable.
     fn dropped(&self) -> u64;

@@ -1,8 +1,10 @@
 //! Quality of service of one end of a port, on middlewares that offer a choice.
 
+use serde::{Deserialize, Serialize};
+
 /// Quality of service of one end. `None` means the value from the middleware's section of the
 /// configuration.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Quality {
     /// Whether lost samples are sent again ("reliable") or not ("best effort").
     pub reliable: Option<bool>,

@@ -3,6 +3,8 @@
 
 use std::time::Duration;
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::DiscoverError;
 
 /// Handles one request. The second argument sends the reply; it is called once, from any thread.
@@ -60,7 +62,7 @@ pub trait Relay: Send + Sync {
 }
 
 /// A daemon cannot be made reachable.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum AnnounceError {
     /// Another daemon has this name.
@@ -87,7 +89,7 @@ pub enum AnnounceError {
 }
 
 /// A request to another daemon failed.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum AskError {
     /// No daemon of that name is visible.

@@ -5,12 +5,13 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
 use genom_types::Record;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::CallError;
 
 /// One accepted run of an activity; unique within the component instance that serves it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct ActivityId(pub u64);
 
 impl fmt::Display for ActivityId {

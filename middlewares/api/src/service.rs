@@ -9,12 +9,13 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use genom_types::{DataType, Record};
+use serde::{Deserialize, Serialize};
 
 use crate::reply::{self, ActivityId, Outcome, Replies};
 use crate::{Address, CallError, OpenError};
 
 /// Kind of a service.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum ServiceKind {
     /// Reads or sets data of the component; replies at once.
     Attribute,

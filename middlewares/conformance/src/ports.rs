@@ -10,15 +10,26 @@ use crate::samples::{number, numbered, set_number, state};
 use genom_middleware::{Address, Middleware, Policy, PortSpec, Publisher, Reading, Subscription};
 
 /// The address that most properties use.
-pub(super) fn position() -> Address {
+#[must_use]
+pub fn position() -> Address {
     Address::new("demo", "position")
 }
 
-pub(super) fn writer(on: &Arc<dyn Middleware>) -> Box<dyn Publisher> {
+/// Opens an out port there.
+///
+/// # Panics
+/// When it is refused.
+#[must_use]
+pub fn writer(on: &Arc<dyn Middleware>) -> Box<dyn Publisher> {
     on.publisher(&PortSpec::new(&position(), &state())).expect("an out port")
 }
 
-pub(super) fn reader(on: &Arc<dyn Middleware>, policy: Policy) -> Box<dyn Subscription> {
+/// Opens an in port there.
+///
+/// # Panics
+/// When it is refused.
+#[must_use]
+pub fn reader(on: &Arc<dyn Middleware>, policy: Policy) -> Box<dyn Subscription> {
     on.subscription(&PortSpec::new(&position(), &state()), policy).expect("an in port")
 }
 
@@ -36,8 +47,11 @@ pub(super) fn read(from: &mut dyn Subscription) -> (Reading, u64) {
 }
 
 /// Reads until this number arrives.
+///
+/// # Panics
+/// When it does not.
 #[track_caller]
-pub(super) fn read_until(from: &mut dyn Subscription, wanted: u64) {
+pub fn read_until(from: &mut dyn Subscription, wanted: u64) {
     let mut seen = Vec::new();
     eventually("the sample arrives", || {
         let (reading, number) = read(from);

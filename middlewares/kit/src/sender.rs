@@ -46,25 +46,40 @@ impl<D: Duty> Sender<D> {
     /// # Errors
     /// The system cannot start another thread.
     pub fn start(name: &str, prompt: bool, duty: D) -> io::Result<Self> {
-        let (submit, jobs) = channel();
-        let shared = Arc::new(Shared::new(duty, jobs));
-        let busy = Arc::new(Busy::new(&shared.alarm));
-        let orders = Orders { submit, shared: Arc::clone(&shared) };
-        let mut sender = Self { orders, threads: Vec::new() };
-        let (sending, own) = (Arc::clone(&shared), Arc::clone(&busy));
-        let sending = thread::Builder::new().name(format!("{name}-sender")).spawn(move || {
-            if prompt && let Err(error) = be_prompt() {
-                tracing::debug!(%error, "samples may wait for their turn to be sent");
-            }
-            sending.go_on(&own);
-        })?;
-        sender.threads.push(sending);
+        let (mut sender, busy) = Self::alone(name, prompt, duty)?;
+        let shared = Arc::clone(&sender.orders.shared);
         let name = format!("{name}-relief");
         let watching = thread::Builder::new()
             .name(name.clone())
             .spawn(move || relief::watch(&shared, &name, busy))?;
         sender.threads.push(watching);
         Ok(sender)
+    }
+
+    /// Starts the thread without others that relieve it: for lines that all go the same way, where
+    /// one that blocks leaves no way to the others.
+    ///
+    /// # Errors
+    /// The system cannot start another thread.
+    pub fn single(name: &str, prompt: bool, duty: D) -> io::Result<Self> {
+        Ok(Self::alone(name, prompt, duty)?.0)
+    }
+
+    fn alone(name: &str, prompt: bool, duty: D) -> io::Result<(Self, Arc<Busy>)> {
+        let (submit, jobs) = channel();
+        let shared = Arc::new(Shared::new(duty, jobs));
+        let busy = Arc::new(Busy::new(&shared.alarm));
+        let orders = Orders { submit, shared: Arc::clone(&shared) };
+        let mut sender = Self { orders, threads: Vec::new() };
+        let own = Arc::clone(&busy);
+        let sending = thread::Builder::new().name(format!("{name}-sender")).spawn(move || {
+            if prompt && let Err(error) = be_prompt() {
+                tracing::debug!(%error, "samples may wait for their turn to be sent");
+            }
+            shared.go_on(&own);
+        })?;
+        sender.threads.push(sending);
+        Ok((sender, busy))
     }
 
     /// The handle for giving jobs to the thread.

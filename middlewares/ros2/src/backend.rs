@@ -44,6 +44,7 @@ impl Backend for Ros2 {
     const NAME: &'static str = BACKEND;
     // The encodings have not changed since ROS 2 Iron.
     const VERSION: &'static str = "rustdds 0.15, ROS 2 Iron to Kilted";
+    const GATEWAY: bool = true;
     type Options = Options;
     type Error = ParticipantError;
 
@@ -90,7 +91,7 @@ impl Middleware for Ros2 {
 
     fn refused(&self) -> Vec<Refused> {
         let refused = self.core.tally.list().into_iter();
-        refused.map(|(why, count, peer)| Refused { why: why.text(), count, peer }).collect()
+        refused.map(|(why, count, peer)| Refused { why: why.text().into(), count, peer }).collect()
     }
 }
 

@@ -1,7 +1,7 @@
 //! Unread samples of one in port.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use genom_kit::intake::Keeping;
 use genom_kit::mailbox::Mailbox;
@@ -21,6 +21,18 @@ pub(crate) struct Inbox {
     pub(crate) refused: AtomicU64,
     /// Number of samples that never arrived.
     pub(crate) missing: AtomicU64,
+    /// Told of each arrival.
+    pub(crate) told: Told,
+}
+
+/// Who is told of arrivals, if anybody wants to be.
+#[derive(Default)]
+pub(crate) struct Told(pub(crate) OnceLock<Box<dyn Fn() + Send + Sync>>);
+
+impl std::fmt::Debug for Told {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("Told").field(&self.0.get().is_some()).finish()
+    }
 }
 
 impl Inbox {
@@ -31,6 +43,7 @@ impl Inbox {
             undecodable: AtomicU64::new(0),
             refused: AtomicU64::new(0),
             missing: AtomicU64::new(0),
+            told: Told::default(),
         }
     }
 
@@ -50,6 +63,9 @@ impl Inbox {
         let old = self.mailbox.put_by(exchange).ok();
         if old.is_none() {
             self.undecodable.fetch_add(1, Ordering::Relaxed);
+        }
+        if let Some(told) = self.told.0.get() {
+            told();
         }
         old
     }

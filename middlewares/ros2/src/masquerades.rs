@@ -40,7 +40,7 @@ impl Masquerades {
         let name = TypeName::parse(foreign).ok_or_else(|| NoForeignName {
             ours: ours.to_owned(),
             foreign: foreign.to_owned(),
-            form: "package/msg/Type",
+            form: "package/msg/Type".into(),
         })?;
         let mut all = self.all.write().unwrap_or_else(PoisonError::into_inner);
         all.entry(ours.to_owned()).or_insert(name);

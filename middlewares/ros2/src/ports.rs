@@ -147,6 +147,10 @@ impl Subscription for Ros2Subscription {
         reading
     }
 
+    fn on_arrival(&mut self, told: Box<dyn Fn() + Send + Sync>) -> bool {
+        self.inbox.told.0.set(told).is_ok()
+    }
+
     fn dropped(&self) -> u64 {
         self.inbox.lost()
     }

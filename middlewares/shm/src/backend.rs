@@ -1,5 +1,6 @@
 //! The middleware: one iceoryx2 node per daemon.
 
+use std::borrow::Cow;
 use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -139,9 +140,12 @@ impl Middleware for Shm {
         }
     }
 
-    fn meeting_point(&self) -> Vec<(&'static str, String)> {
+    fn meeting_point(&self) -> Vec<(Cow<'static, str>, String)> {
         let config = &self.inner.ground.node.config().global;
-        vec![("prefix", config.prefix.to_string()), ("root", config.root_path().to_string())]
+        vec![
+            ("prefix".into(), config.prefix.to_string()),
+            ("root".into(), config.root_path().to_string()),
+        ]
     }
 
     fn services(&self) -> Option<&dyn Services> {

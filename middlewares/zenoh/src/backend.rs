@@ -1,5 +1,6 @@
 //! The middleware: a session, opened according to its options.
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -19,7 +20,7 @@ use crate::rendezvous::{self, Rendezvous};
 /// A zenoh session as a middleware.
 pub struct Zenoh {
     /// Settings with which foreign programs reach it.
-    meeting: Vec<(&'static str, String)>,
+    meeting: Vec<(Cow<'static, str>, String)>,
     pub(crate) core: Arc<Core>,
 }
 
@@ -51,12 +52,12 @@ impl Zenoh {
         // The endpoint that clients of this session connect to.
         let own = rendezvous.iter().map(|own| rendezvous::endpoint(own.socket()));
         let connect: Vec<String> = own.chain(options.listen.iter().cloned()).collect();
-        let mut meeting = vec![("prefix", keys.of_all().to_owned())];
+        let mut meeting = vec![(Cow::from("prefix"), keys.of_all().to_owned())];
         if !connect.is_empty() {
-            meeting.push(("connect", connect.join(",")));
+            meeting.push(("connect".into(), connect.join(",")));
         }
         if let Some(directory) = options.sole_meeting() {
-            meeting.push(("rendezvous", directory.display().to_string()));
+            meeting.push(("rendezvous".into(), directory.display().to_string()));
         }
         let core = Core::new(session, keys, rendezvous)?;
         Ok(Arc::new(Self { meeting, core }))
@@ -81,6 +82,7 @@ fn open(options: &Options, config: zenoh::Config) -> Result<Session, SessionErro
 impl Backend for Zenoh {
     const NAME: &'static str = BACKEND;
     const VERSION: &'static str = "zenoh 1.10";
+    const GATEWAY: bool = true;
     type Options = Options;
     type Error = SessionError;
 
@@ -109,7 +111,7 @@ impl Middleware for Zenoh {
         }
     }
 
-    fn meeting_point(&self) -> Vec<(&'static str, String)> {
+    fn meeting_point(&self) -> Vec<(Cow<'static, str>, String)> {
         self.meeting.clone()
     }
 

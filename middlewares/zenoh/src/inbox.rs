@@ -4,7 +4,7 @@
 //! mark of a sample tells whether it was received before.
 
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use genom_kit::intake::Keeping;
@@ -29,6 +29,18 @@ pub(crate) struct Inbox {
     /// Number of samples that could not be decoded; counted by the reader.
     pub(crate) undecodable: AtomicU64,
     gate: Mutex<Gate>,
+    /// Told of each arrival.
+    told: Told,
+}
+
+/// Who is told of arrivals, if anybody wants to be.
+#[derive(Default)]
+pub(crate) struct Told(OnceLock<Box<dyn Fn() + Send + Sync>>);
+
+impl std::fmt::Debug for Told {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("Told").field(&self.0.get().is_some()).finish()
+    }
 }
 
 /// What has arrived so far.
@@ -65,6 +77,7 @@ impl Inbox {
             latest: !counts,
             undecodable: AtomicU64::new(0),
             gate: Mutex::default(),
+            told: Told::default(),
         }
     }
 
@@ -72,6 +85,11 @@ impl Inbox {
     pub(crate) fn lost(&self) -> u64 {
         let given_up = if self.latest { 0 } else { self.mailbox.lost() };
         given_up + self.undecodable.load(Ordering::Relaxed)
+    }
+
+    /// Has somebody told of each arrival from now on.
+    pub(crate) fn tell(&self, told: Box<dyn Fn() + Send + Sync>) -> bool {
+        self.told.0.set(told).is_ok()
     }
 
     /// Records that the last value is being queried now.
@@ -100,6 +118,10 @@ impl Inbox {
             self.undecodable.fetch_add(1, Ordering::Relaxed);
         }
         gate.report(self, sample, alien);
+        drop(gate);
+        if let Some(told) = self.told.0.get() {
+            told();
+        }
     }
 }
 

@@ -175,6 +175,10 @@ impl Subscription for ZenohSubscription {
         reading
     }
 
+    fn on_arrival(&mut self, told: Box<dyn Fn() + Send + Sync>) -> bool {
+        self.inbox.tell(told)
+    }
+
     fn dropped(&self) -> u64 {
         self.inbox.lost()
     }

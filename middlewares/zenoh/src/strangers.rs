@@ -16,8 +16,9 @@ impl Core {
         let sessions = self.session().info().transports().wait();
         let sessions = sessions.map(|other| (other.zid().to_string(), other.whatami().to_str()));
         let strange = |(name, _): &(String, _)| !known.contains(name) && !self.daemons().has(name);
-        let sessions =
-            sessions.filter(strange).map(|(name, role)| Stranger::Session { name, role });
+        let sessions = sessions
+            .filter(strange)
+            .map(|(name, role)| Stranger::Session { name, role: role.into() });
         let readers = self.graph().unread(self.name()).into_iter();
         let readers = readers.filter(|address| self.is_read(address));
         sessions.chain(readers.map(|address| Stranger::Reader { address })).collect()

@@ -68,7 +68,7 @@ fn a_peer_without_tokens_shows_as_a_session_and_as_a_reader() {
     let mut peer = start(&place, "read");
     peer.says("last 1");
     let reads = Stranger::Reader { address: position().to_string() };
-    let session = |one: &&Stranger| matches!(one, Stranger::Session { role: "peer", .. });
+    let session = |one: &&Stranger| matches!(one, Stranger::Session { role, .. } if role == "peer");
     let alone = || {
         let seen = zenoh.strangers();
         seen.len() == 2 && seen.contains(&reads) && seen.iter().filter(session).count() == 1

@@ -51,7 +51,7 @@ fn refusal(code: Code, message: String) -> Vec<u8> {
 }
 
 impl Desk {
-    /// A desk with this name, at the endpoint `at` of the transport. `router` is behind
+    /// A desk with this name, at the endpoint of the transport that `at` tells. `router` is behind
     /// [`Door::proved`](crate::access::Door::proved), and takes bodies of at most `max_body` bytes.
     ///
     /// # Errors
@@ -59,12 +59,12 @@ impl Desk {
     pub fn new(
         tokens: &Arc<Tokens>,
         name: &str,
-        at: String,
+        at: impl Fn() -> String + Send + Sync + 'static,
         way: &'static str,
         router: Router,
         max_body: usize,
     ) -> io::Result<Arc<Self>> {
-        let sessions = Sessions::new(Arc::clone(tokens), name, at)?;
+        let sessions = Sessions::new(Arc::clone(tokens), name, Box::new(at))?;
         let (most, refused) = (max_body + AROUND, Seldom::default());
         Ok(Arc::new(Self { sessions, router, most, refused, way }))
     }

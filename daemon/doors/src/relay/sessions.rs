@@ -105,11 +105,14 @@ impl Admitted {
     }
 }
 
+/// Tells the identity of an endpoint, which changes when the middleware is opened anew.
+pub(super) type At = Box<dyn Fn() -> String + Send + Sync>;
+
 /// The sessions of this daemon on one middleware, under one name.
 pub(super) struct Sessions {
     tokens: Arc<Tokens>,
     name: String,
-    at: String,
+    at: At,
     /// Key of the cookies' signatures.
     secret: Token,
     begin: Instant,
@@ -117,8 +120,8 @@ pub(super) struct Sessions {
 }
 
 impl Sessions {
-    /// No sessions. `at` is the identity of this daemon's endpoint on the middleware.
-    pub(super) fn new(tokens: Arc<Tokens>, name: &str, at: String) -> std::io::Result<Self> {
+    /// No sessions. `at` tells the identity of this daemon's endpoint on the middleware.
+    pub(super) fn new(tokens: Arc<Tokens>, name: &str, at: At) -> std::io::Result<Self> {
         Ok(Self {
             tokens,
             name: name.to_owned(),
@@ -147,12 +150,18 @@ impl Sessions {
         let (salt, _) = rest.split_at_mut(8);
         salt.copy_from_slice(&random::<8>().map_err(|_| Refused::Random)?);
         self.sign(&mut cookie, &nonce);
-        let keys = known.key.keys(&self.handshake(&nonce, &cookie));
-        Ok(FromDaemon::Hello { at: self.at.clone(), cookie: Bytes(cookie), proof: keys.proof() })
+        let at = (self.at)();
+        let keys = known.key.keys(&self.handshake(&at, &nonce, &cookie));
+        Ok(FromDaemon::Hello { at, cookie: Bytes(cookie), proof: keys.proof() })
     }
 
-    fn handshake<'a>(&'a self, nonce: &'a [u8; NONCE], cookie: &'a [u8; NONCE]) -> Handshake<'a> {
-        Handshake { daemon: &self.name, at: &self.at, nonce, cookie }
+    fn handshake<'a>(
+        &'a self,
+        at: &'a str,
+        nonce: &'a [u8; NONCE],
+        cookie: &'a [u8; NONCE],
+    ) -> Handshake<'a> {
+        Handshake { daemon: &self.name, at, nonce, cookie }
     }
 
     /// Milliseconds since this daemon started.
@@ -224,7 +233,7 @@ impl Sessions {
         }
         let generation = self.tokens.generation();
         let known = self.tokens.hinted(nonce, &head.hint).ok_or(Refused::Token)?;
-        let keys = known.key.keys(&self.handshake(nonce, cookie));
+        let keys = known.key.keys(&self.handshake(&(self.at)(), nonce, cookie));
         // Checked before anything is stored.
         if !keys.is_request(head.number, body, &head.mac) {
             return Err(Refused::Code);
@@ -287,7 +296,7 @@ mod tests {
     const TEXT: &str = "0123456789abcdef0123456789abcdef";
 
     fn sessions(text: &str) -> Sessions {
-        Sessions::new(Tokens::of("dashboard", text), "robot", "1f".to_owned()).unwrap()
+        Sessions::new(Tokens::of("dashboard", text), "robot", Box::new(|| "1f".to_owned())).unwrap()
     }
 
     fn hello(message: &[u8]) -> Hello {

@@ -21,7 +21,7 @@ use serde_json::json;
     responses((status = 200, body = genom_protocol::Cells))
 )]
 pub(crate) async fn list(State(cells): State<Arc<Cells>>) -> Json<genom_protocol::Cells> {
-    let cells = cells.all().iter().map(|cell| cell.told()).collect();
+    let cells = cells.with_gateways().iter().map(|cell| cell.told()).collect();
     Json(genom_protocol::Cells { cells })
 }
 
@@ -93,7 +93,7 @@ pub(crate) async fn crash(
 
 fn find(cells: &Cells, name: &str) -> Result<Arc<Cell>, RpcError> {
     cells.get(name).ok_or_else(|| {
-        let all = cells.all();
+        let all = cells.with_gateways();
         let names = all.iter().map(|cell| cell.name());
         RpcError::unknown(Code::NoSuchCell, "no cell", name, names)
     })

@@ -32,13 +32,14 @@ pub(crate) async fn text(
     let open =
         genom_registry::known().iter().filter_map(|known| supervisor.backends.opened(known.name));
     for open in open {
-        for refused in open.refused() {
-            let labels = [("backend", open.name()), ("why", refused.why)];
+        // A gateway may take a moment to answer.
+        for refused in tokio::task::block_in_place(|| open.refused()) {
+            let labels = [("backend", open.name()), ("why", &refused.why)];
             let help = "Messages of peers that would have harmed, and were refused.";
             page.add("genom_refused_total", COUNTER, help, &labels, count(refused.count));
         }
     }
-    for cell in cells.all() {
+    for cell in cells.with_gateways() {
         let told = cell.told();
         let labels = [("cell", told.name.as_str())];
         let up = u8::from(told.state == CellState::Running);

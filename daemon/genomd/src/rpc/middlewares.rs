@@ -48,7 +48,7 @@ fn described(supervisor: &Supervisor, visible: bool) -> Middlewares {
             name: known.name.to_owned(),
             version: known.version.to_owned(),
             capabilities: open.as_ref().map(|open| capabilities(open.capabilities())),
-            meet: meet.map(|(name, value)| (name.to_owned(), value)).collect(),
+            meet: meet.map(|(name, value)| (name.into_owned(), value)).collect(),
             refused: open.iter().flat_map(|open| open.refused()).map(refused).collect(),
             endpoints,
             problem,
@@ -85,11 +85,11 @@ fn stranger(of: middleware::Stranger) -> Stranger {
     match of {
         middleware::Stranger::Reader { address } => Stranger::Reader { address },
         middleware::Stranger::Session { name, role } => {
-            Stranger::Session { name, role: role.to_owned() }
+            Stranger::Session { name, role: role.into_owned() }
         }
     }
 }
 
 fn refused(of: middleware::Refused) -> Refused {
-    Refused { why: of.why.to_owned(), count: of.count, peer: of.peer }
+    Refused { why: of.why.into_owned(), count: of.count, peer: of.peer }
 }

@@ -2,6 +2,7 @@
 //! and of a port of genomd.
 //!
 //! `cargo bench -p genom-bench --bench hop [-- BACKEND...] [--period MICROSECONDS] [--rounds N]`
+//! `[--gateway]`: zenoh and ros2 through a gateway on each side.
 //!
 //! "Bare" uses the middleware's own interface and copies bytes in and out. "Port" is what a codel's
 //! `write()` and `read()` do: the backend's publisher and subscription, opened as the daemon opens
@@ -10,6 +11,7 @@
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a program that prints figures")]
 
+mod gateway;
 mod place;
 mod ports;
 mod ros2;
@@ -38,16 +40,20 @@ const BACKENDS: [&str; 3] = ["shm", "zenoh", "ros2"];
 /// Precedes the folder that both processes share, in the arguments of the reading process.
 const READER: &str = "--reader";
 
-fn open(name: &str, place: &Path, reads: bool) -> Box<dyn Backend> {
-    match name {
-        "shm" => Box::new(shm::Both::open(place)),
-        "zenoh" => Box::new(zenoh::Both::open(place, reads)),
-        _ => Box::new(ros2::Both::open()),
-    }
+/// Given to the reading process, too.
+const THROUGH: &str = "--gateway";
+
+fn open(name: &str, place: &Path, reads: bool, through: bool) -> Box<dyn Backend> {
+    let (name, both): (_, Box<dyn Backend>) = match name {
+        "shm" => return Box::new(shm::Both::open(place)),
+        "zenoh" => ("zenoh", Box::new(zenoh::Both::open(place, reads))),
+        _ => ("ros2", Box::new(ros2::Both::open())),
+    };
+    if through { Box::new(gateway::Through::open(name, place, reads, both)) } else { both }
 }
 
-fn read(name: &str, place: &Path) -> Result<(), Box<dyn Error>> {
-    let backend = open(name, place, true);
+fn read(name: &str, place: &Path, through: bool) -> Result<(), Box<dyn Error>> {
+    let backend = open(name, place, true, through);
     serve(|bytes| {
         let [array, sequence] = ports::readers(backend.ours(), bytes);
         vec![backend.reader(bytes), array, sequence]
@@ -55,11 +61,12 @@ fn read(name: &str, place: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn measure(name: &str, rounds: usize, period: u64) -> Result<(), Box<dyn Error>> {
+fn measure(name: &str, rounds: usize, period: u64, through: bool) -> Result<(), Box<dyn Error>> {
     let place = tempfile::tempdir()?;
-    let backend = open(name, place.path(), false);
+    let backend = open(name, place.path(), false, through);
     let at = place.path().display().to_string();
-    let mut reader = Reader::start(&[READER, name, &at])?;
+    let way = if through { THROUGH } else { "" };
+    let mut reader = Reader::start(&[READER, name, &at, way])?;
     for bytes in SIZES {
         reader.open(bytes)?;
         let [array, sequence] = ports::writers(backend.ours(), bytes);
@@ -84,9 +91,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     // `cargo bench` adds `--bench`.
     let arguments: Vec<_> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    if let [READER, name, place] = words[..] {
-        return read(name, Path::new(place));
+    if let [READER, name, place, way] = words[..] {
+        return read(name, Path::new(place), way == THROUGH);
     }
+    if let [gateway::GATEWAY, name, place, side] = words[..] {
+        return gateway::serve(name, Path::new(place), Path::new(side));
+    }
+    let through = words.contains(&THROUGH);
     let number = |key: &str, default: u64| {
         let place = words.iter().position(|word| *word == key);
         place.map_or(Ok(default), |at| words.get(at + 1).unwrap_or(&"").parse())
@@ -100,7 +111,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         "", "bytes", "bare", "port, array", "+us      x", "port, sequence", "+us      x"
     );
     for name in BACKENDS.iter().filter(wanted) {
-        measure(name, usize::try_from(rounds)?, period)?;
+        measure(name, usize::try_from(rounds)?, period, through)?;
     }
     Ok(())
 }

@@ -26,6 +26,12 @@ use crate::place::{Looks, Place};
 /// A DDS domain that robots and tests are unlikely to use.
 const DOMAIN: u16 = 101;
 
+/// genomd's backend.
+pub(crate) fn ours() -> Arc<Ros2> {
+    let options = Options { domain: Some(DOMAIN), ..Options::default() };
+    Ros2::open(&options).unwrap()
+}
+
 pub(crate) struct Both {
     ours: Arc<Ros2>,
     participant: DomainParticipant,
@@ -116,8 +122,7 @@ fn qos() -> QosPolicies {
 
 impl Both {
     pub(crate) fn open() -> Self {
-        let options = Options { domain: Some(DOMAIN), ..Options::default() };
-        let ours = Ros2::open(&options).unwrap();
+        let ours = ours();
         let builder = DomainParticipantBuilder::new(DOMAIN);
         let participant =
             builder.with_only_networks(vec![IpAddr::from([127, 0, 0, 1])]).build().unwrap();

@@ -16,6 +16,12 @@ use zenoh::{Session, Wait};
 use crate::Backend;
 use crate::place::{Looks, Place};
 
+/// genomd's backend.
+pub(crate) fn ours(place: &Path) -> Arc<Zenoh> {
+    let options = Options { rendezvous: Some(place.join("ours")), ..Options::default() };
+    Zenoh::open(&options).unwrap()
+}
+
 pub(crate) struct Both {
     ours: Arc<Zenoh>,
     session: Session,
@@ -32,8 +38,7 @@ impl Send for Out {
 impl Both {
     /// The bare sessions have the options of genomd's, and a socket of their own.
     pub(crate) fn open(place: &Path, reads: bool) -> Self {
-        let options = Options { rendezvous: Some(place.join("ours")), ..Options::default() };
-        let ours = Zenoh::open(&options).unwrap();
+        let ours = ours(place);
         let mut config = zenoh::Config::default();
         let socket = format!("[\"unixsock-stream/{}\"]", place.join("bare.sock").display());
         let (here, none) = if reads { ("connect", "listen") } else { ("listen", "connect") };

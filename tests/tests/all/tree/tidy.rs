@@ -21,6 +21,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-example", BACKEND),
     ("genom-shm", BACKEND),
     ("genom-zenoh", BACKEND),
+    ("genom-gateway", BACKEND),
     ("genom-ros2", &["genom-kit", "genom-middleware", "genom-rosidl", "genom-types"]),
     ("genom-rosidl", &["genom-types"]),
     ("genom-bench", MIDDLEWARE),
@@ -62,6 +63,7 @@ const PORTS: &[&str] =
 const CELLS: &[&str] = &[
     "genom-blackbox",
     "genom-configuration",
+    "genom-gateway",
     "genom-host",
     "genom-limits",
     "genom-nearest",
@@ -82,8 +84,15 @@ const GENOMCTL: &[&str] = &[
     "genom-types",
 ];
 /// The only crate that knows which middlewares exist.
-const BACKENDS: &[&str] =
-    &["genom-local", "genom-middleware", "genom-nearest", "genom-ros2", "genom-shm", "genom-zenoh"];
+const BACKENDS: &[&str] = &[
+    "genom-gateway",
+    "genom-local",
+    "genom-middleware",
+    "genom-nearest",
+    "genom-ros2",
+    "genom-shm",
+    "genom-zenoh",
+];
 const CONFIGURATION: &[&str] =
     &["genom-middleware", "genom-nearest", "genom-protocol", "genom-registry", "genom-runtime"];
 const SUPERVISOR: &[&str] = &[
@@ -126,7 +135,7 @@ const FLOORS: &[(&str, &str)] = &[
     ("registry", "known backends masquerade lib"),
     (
         "configuration",
-        "error limits cells states crashes pattern blackbox levels place terms offers rpc spot overrides file lib",
+        "error limits cells states crashes gateways pattern blackbox levels place terms offers rpc spot overrides file lib",
     ),
     ("ports", "dates gauge key tape fan feeds tap lib"),
     (
@@ -141,8 +150,8 @@ const FLOORS: &[(&str, &str)] = &[
     ),
     (
         "cells",
-        "end policy place shelf journal client crashes follow remains blackbox process setup cell \
-         asking cells unmatched own react merge record wire lib",
+        "end policy place shelf journal client crashes follow remains blackbox process bell setup cell \
+         asking cells gateway unmatched own react merge record wire lib",
     ),
     ("genomd", "cli memory announcements startup settings daemon rpc signals life run check main"),
 ];
