@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::several::one_or_several;
 use crate::supervision::rules;
-use crate::{BackendNames, QosEntry, Reaction, RestartPolicy, SupervisionEntry};
+use crate::{BackendNames, QosEntry, Reaction, RestartPolicy, Resumption, SupervisionEntry};
 
 /// A component to load.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
@@ -60,6 +60,9 @@ pub struct LoadRequest {
     /// Attributes to call as soon as the component runs: inputs by name of the attribute.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub attributes: BTreeMap<String, Value>,
+    /// The state to go on with: as `genomctl thaw` asks for it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub resume: Option<Box<Resumption>>,
 }
 
 impl LoadRequest {
