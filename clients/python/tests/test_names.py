@@ -111,7 +111,7 @@ class Supervision(DemoCase):
             self.assertEqual(os.stat(file).st_mode & 0o777, 0o600)
             with self.assertRaises(genom.RefusalError) as refused:
                 self.g.thaw(file)
-            self.assertEqual(refused.exception.code, "name_taken")
+            self.assertEqual(refused.exception.name, "name_taken")
             thawed = self.g.thaw(file, replace=True)
             self.assertEqual({name: [] for name in thawed}, thawed)
 

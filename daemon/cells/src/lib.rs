@@ -33,6 +33,7 @@ pub mod record;
 mod remains;
 mod setup;
 mod shelf;
+mod snapshots;
 mod thaw;
 mod unmatched;
 mod wire;

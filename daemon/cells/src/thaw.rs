@@ -321,7 +321,7 @@ fn parts(frozen: Frozen) -> Result<(Vec<LoadRequest>, Vec<ConnectionEntry>), Tha
     for request in &mut requests {
         request.resume = components
             .remove(&request.instance())
-            .map(|state| Box::new(Resumption { state, activities: true, hold: true }));
+            .map(|state| Box::new(Resumption { state, activities: true, hold: true, copy: None }));
     }
     match components.into_keys().next() {
         Some(name) => Err(ThawError::Unknown(name)),

@@ -120,7 +120,7 @@ pub use routes::STANDARD_SERVICES;
 pub use services::{CallParameters, CallReply, Inputs, Started};
 pub use state::{
     FrozenActivity, FrozenCall, FrozenComponent, FrozenPhase, FrozenState, FrozenValue, FrozenWait,
-    Resumption,
+    Restore, Resumption,
 };
 pub use statistics::{CodelStatistics, Durations, Statistics, TaskStatistics};
 pub use supervision::{

@@ -249,8 +249,8 @@ routes! {
     Get dump() [Read] "/deployment", Dumped;
     /// Applies a deployment.
     Post apply() [Admin] "/deployment" => DeploymentRequest, Applied;
-    /// The state of the running system.
-    Get freeze() [Admin] "/freeze", Frozen;
+    /// Writes the state of the running system into the reply.
+    Post freeze() [Admin] "/freeze", Frozen;
     /// Brings a system back as it was.
     Post thaw() [Admin] "/thaw" => ThawRequest, Thawed;
     /// Lets a component go on that was loaded held.

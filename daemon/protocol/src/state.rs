@@ -145,4 +145,27 @@ pub struct Resumption {
     /// Whether its tasks wait until they are told to go on.
     #[serde(default, skip_serializing_if = "is_false")]
     pub hold: bool,
+    /// What the state is, if the component is to be loaded without it when it does not fit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub copy: Option<String>,
+}
+
+/// What is put back of a component when its process has ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub enum Restore {
+    /// The IDS and the last values of ports.
+    #[default]
+    Ids,
+    /// These, and activities in the states where they were.
+    Activities,
+}
+
+impl Restore {
+    /// Whether it is what is put back where nothing else is said.
+    #[must_use]
+    pub fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
 }

@@ -73,7 +73,7 @@ class Daemon:
 
     def freeze(self, file: str) -> None:
         """Writes the state of the running system into a file, readable by its owner only."""
-        text = json.dumps(self._transport.request("GET", "/freeze"), indent=1) + "\n"
+        text = json.dumps(self._transport.request("POST", "/freeze"), indent=1) + "\n"
         aside = f"{file}.{os.getpid()}"
         descriptor = os.open(aside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
         try:

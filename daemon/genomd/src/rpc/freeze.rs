@@ -15,8 +15,13 @@ use crate::rpc::{cells as of_cells, components};
 /// Most bytes of a request to thaw: a file, and what is around it.
 pub(super) const LARGEST: usize = MOST + 1024;
 
-/// Get the state of all components: IDS, ports, activities.
-#[utoipa::path(get, path = "/freeze", tag = "deployment", responses((status = 200, body = Frozen)))]
+/// Write the state of all components: IDS, ports, activities. Nothing is changed.
+#[utoipa::path(
+    post,
+    path = "/freeze",
+    tag = "deployment",
+    responses((status = 200, body = Frozen), (status = 409))
+)]
 pub(crate) async fn freeze(
     State(supervisor): State<Arc<Supervisor>>,
     State(cells): State<Arc<Cells>>,
@@ -35,7 +40,7 @@ pub(crate) async fn freeze(
     path = "/thaw",
     tag = "deployment",
     request_body = ThawRequest,
-    responses((status = 200, body = Thawed), (status = 409))
+    responses((status = 200, body = Thawed), (status = 409), (status = 422))
 )]
 pub(crate) async fn thaw(
     State(supervisor): State<Arc<Supervisor>>,

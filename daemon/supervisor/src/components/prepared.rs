@@ -54,7 +54,7 @@ pub(crate) struct Goal {
 /// Finds by name what the state says.
 pub(crate) fn prepare(plan: &Plan, resumption: &Resumption) -> Result<Prepared, Unfit> {
     let mut reader = Reader { plan, notes: Vec::new() };
-    let Resumption { state, activities, hold } = resumption;
+    let Resumption { state, activities, hold, copy } = resumption;
     let model = plan.component();
     if state.component != model.name {
         return Err(Unfit {
@@ -81,7 +81,8 @@ pub(crate) fn prepare(plan: &Plan, resumption: &Resumption) -> Result<Prepared, 
             prepared.activities.extend(reader.activity(at, activity)?);
         }
     }
-    prepared.notes = reader.notes;
+    prepared.notes.extend(copy.iter().map(|copy| format!("it goes on with {copy}")));
+    prepared.notes.extend(reader.notes);
     Ok(prepared)
 }
 

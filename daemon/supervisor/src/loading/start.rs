@@ -25,14 +25,17 @@ pub(super) fn start(
     plan: Arc<Plan>,
     component: Component,
 ) -> Result<Arc<Hosted>, LoadError> {
-    let unfit = |source| LoadError::Resume { name: name.clone(), source };
-    let prepared = build
-        .request
-        .resume
-        .as_deref()
-        .map(|wanted| prepare(&plan, wanted))
-        .transpose()
-        .map_err(unfit)?;
+    let prepared = match build.request.resume.as_deref() {
+        None => None,
+        Some(wanted) => match prepare(&plan, wanted) {
+            Ok(prepared) => Some(prepared),
+            Err(why) if wanted.copy.is_some() => {
+                tracing::error!(instance = name, "it starts anew: its copy does not fit: {why}");
+                None
+            }
+            Err(source) => return Err(LoadError::Resume { name, source }),
+        },
+    };
     build.request.resume = None;
     let request = build.request.clone();
     let default = || BackendNames::one(supervisor.settings.backend.as_str());

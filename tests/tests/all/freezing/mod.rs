@@ -1,6 +1,7 @@
 //! `genomctl freeze` and `genomctl thaw`: a running system in a file, and back.
 
 mod refused;
+mod snapshots;
 mod thawed;
 
 use std::path::PathBuf;

@@ -150,7 +150,7 @@ const FLOORS: &[(&str, &str)] = &[
     ),
     (
         "cells",
-        "end policy place shelf journal client crashes follow remains blackbox process bell setup cell \
+        "end policy place shelf snapshots journal client crashes follow remains blackbox process bell setup cell \
          asking cells gateway unmatched own react merge record wire thaw lib",
     ),
     ("genomd", "cli announcements startup settings daemon rpc signals life run check main"),
