@@ -104,6 +104,17 @@ class Names(DemoCase):
 
 
 class Supervision(DemoCase):
+    def test_a_system_is_frozen_and_thawed(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            file = os.path.join(scratch, "robot.json")
+            self.g.freeze(file)
+            self.assertEqual(os.stat(file).st_mode & 0o777, 0o600)
+            with self.assertRaises(genom.RefusalError) as refused:
+                self.g.thaw(file)
+            self.assertEqual(refused.exception.name, "name_taken")
+            thawed = self.g.thaw(file, replace=True)
+            self.assertEqual({name: [] for name in thawed}, thawed)
+
     def test_a_deployment_is_dumped_and_applied(self):
         self.demo.set_speed(0.75)
         with tempfile.TemporaryDirectory() as folder:

@@ -33,6 +33,8 @@ pub mod record;
 mod remains;
 mod setup;
 mod shelf;
+mod snapshots;
+mod thaw;
 mod unmatched;
 mod wire;
 
@@ -44,3 +46,4 @@ pub use crashes::{Reports, StoreError};
 pub use own::OwnCell;
 pub use react::{Rules, react};
 pub use setup::{Cause, Failure, Setup, Told};
+pub use thaw::{FreezeError, ThawError};

@@ -134,6 +134,7 @@ fn down(cell: &Cell) -> Vec<Component> {
             library: known.map(|known| known.library.clone()).unwrap_or_default(),
             activities: 0,
             supervision: Vec::new(),
+            notes: Vec::new(),
             remotes: Vec::new(),
         }
     };

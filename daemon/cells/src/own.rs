@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use crate::blackbox::Lease;
 use crate::journal;
 use crate::place::Place;
+use crate::snapshots::Snapshots;
 use genom_configuration::{
     BackendNames, Config, ConfigError, Deployment, LoadRequest, WithoutDaemon,
 };
@@ -37,6 +38,8 @@ pub struct OwnCell {
     place: Place,
     /// What it was to hold when it started; it counts until all of it is there again.
     before: Deployment,
+    /// Copies of its components for its next process.
+    snapshots: Arc<Snapshots>,
     /// Held while the journal is written.
     writing: Mutex<()>,
     /// Of a gateway: serves those who use it.
@@ -52,7 +55,8 @@ impl OwnCell {
         let place = Place::of_config(config);
         let before = journal::read(&place.journal())?;
         let (writing, serves) = (Mutex::default(), Mutex::default());
-        Ok(Self { place, before, writing, serves })
+        let snapshots = Arc::new(Snapshots::new(config.parent().unwrap_or(Path::new("."))));
+        Ok(Self { place, before, snapshots, writing, serves })
     }
 
     /// Prepares for a crash: a note for the daemon, and a core dump only where it is asked for.
@@ -106,10 +110,12 @@ impl OwnCell {
         }
     }
 
-    /// What it is to bring up.
+    /// What it is to bring up, with the copies that the process before this one made.
     #[must_use]
     pub fn before(&self) -> Deployment {
-        self.before.clone()
+        let mut before = self.before.clone();
+        self.snapshots.put_back(&mut before);
+        before
     }
 
     /// Ends this process as a crash of that thread does, so that its daemon starts it again, also a
@@ -143,6 +149,7 @@ impl OwnCell {
             return;
         }
         let _turn = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
+        self.snapshots.make(supervisor, true);
         let held = supervisor.declared();
         let held = if all_there { held } else { held.over(&self.before) };
         let journal = self.place.journal();
@@ -153,6 +160,7 @@ impl OwnCell {
 
     /// Writes it again whenever something changes that no request asked for, until the end.
     pub async fn keep(self: Arc<Self>, supervisor: Arc<Supervisor>, all_there: impl Fn() -> bool) {
+        tokio::spawn(Arc::clone(&self.snapshots).keep(Arc::clone(&supervisor)));
         let mut changes = supervisor.bus.listen(None);
         while let Some(heard) = changes.next().await {
             let matters = match &heard {

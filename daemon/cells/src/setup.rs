@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use genom_configuration::{CellLimits, CellSettings, Config, Deployment, Reaction};
 use genom_protocol::Change;
+use genom_protocol::freeze::MOST;
 use rustix::process::Signal;
 use serde_json::Value;
 
@@ -139,6 +140,8 @@ impl Setup {
         // Relative to the daemon's directory.
         let daemon = std::path::absolute(&self.socket)?;
         config.gateways.daemon = Some(config.gateways.daemon.unwrap_or(daemon));
+        // Components come with their state when a system is thawed.
+        config.rpc.max_body = config.rpc.max_body.max(MOST);
         if config.backend == "local" {
             "shm".clone_into(&mut config.backend);
         }

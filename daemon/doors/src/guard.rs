@@ -17,10 +17,32 @@ use crate::rights::Rights;
 /// Header by which old clients selected another daemon, and sent their token to it.
 const OLD_HEADER: &str = "genomd-daemon";
 
+/// Most bytes of the bodies of requests.
+#[derive(Clone, Debug)]
+pub struct Bodies {
+    /// Of all requests.
+    pub most: usize,
+    /// Of requests to these paths, which are for administrators, if that is more.
+    pub large: &'static [(&'static str, usize)],
+}
+
+impl From<usize> for Bodies {
+    fn from(most: usize) -> Self {
+        Self { most, large: &[] }
+    }
+}
+
+impl Bodies {
+    fn of(&self, path: &str) -> usize {
+        let large = self.large.iter().find(|(large, _)| *large == path);
+        large.map_or(self.most, |(_, most)| self.most.max(*most))
+    }
+}
+
 /// Puts a door before a router. Handlers only receive requests whose senders have the right that
 /// the table requires, with the [`Holder`](crate::holder::Holder) as an extension, and with a
-/// complete body of at most `max_body` bytes.
-pub fn guard(router: Router, rights: Rights, door: Door, max_body: usize) -> Router {
+/// complete body of at most as many bytes as `bodies` says.
+pub fn guard(router: Router, rights: Rights, door: Door, bodies: impl Into<Bodies>) -> Router {
     let guarded = door.asks_for_a_token();
     let gate = Arc::new(Gate { door, rights });
     router
@@ -29,8 +51,7 @@ pub fn guard(router: Router, rights: Rights, door: Door, max_body: usize) -> Rou
         .layer(from_fn(input::read_whole))
         .layer(from_fn_with_state(gate, access::check))
         .layer(from_fn_with_state(guarded, refuse_browsers))
-        .layer(from_fn_with_state(max_body, refuse_large))
-        .layer(DefaultBodyLimit::max(max_body))
+        .layer(from_fn_with_state(Arc::new(bodies.into()), refuse_large))
 }
 
 /// Refuses requests from web pages, which must not control a robot through the loopback of their
@@ -52,12 +73,18 @@ fn own_page(headers: &HeaderMap) -> bool {
 
 /// Refuses a body that is too large before it is sent, if its length is given: the peer then reads
 /// the reply.
-async fn refuse_large(State(most): State<usize>, request: Request, next: Next) -> Response {
+async fn refuse_large(
+    State(bodies): State<Arc<Bodies>>,
+    mut request: Request,
+    next: Next,
+) -> Response {
+    let most = bodies.of(request.uri().path());
     let length = request.headers().get(header::CONTENT_LENGTH);
     let length = length.and_then(|length| length.to_str().ok()?.parse::<u64>().ok());
     if length.is_some_and(|length| length > most as u64) {
         return RpcError::too_large().into_response();
     }
+    DefaultBodyLimit::max(most).apply(&mut request);
     next.run(request).await
 }
 

@@ -73,7 +73,7 @@ mod within;
 
 pub use access::{Door, Log};
 pub use error::RpcError;
-pub use guard::guard;
+pub use guard::{Bodies, guard};
 pub use holder::Holder;
 pub use input::{Body, Parameters, wait};
 pub use listen::{Keep, ListenError, Listener, Socket, SocketName};

@@ -9,7 +9,6 @@ mod check;
 mod cli;
 mod daemon;
 mod life;
-mod memory;
 mod rpc;
 mod run;
 mod settings;

@@ -27,7 +27,6 @@ use tokio::task::block_in_place;
 use crate::announcements;
 use crate::daemon::Daemon;
 use crate::life::Life;
-use crate::memory;
 use crate::rpc;
 use crate::settings::Settings;
 use crate::signals::Signals;
@@ -82,7 +81,10 @@ pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
     limits::raise();
     if settings.lock_memory {
         // Before threads are created, so that their stacks are locked as well.
-        memory::lock();
+        match genom_limits::lock_memory() {
+            None => tracing::info!("memory is locked"),
+            Some(told) => tracing::warn!("{told}"),
+        }
     }
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)

@@ -13,6 +13,7 @@
 mod calls;
 mod files;
 mod grants;
+mod memory;
 mod resources;
 mod rights;
 
@@ -20,6 +21,7 @@ use genom_configuration::CellLimits;
 
 pub use calls::close_doors;
 pub use grants::Grants;
+pub use memory::lock_memory;
 
 /// Why a process does not run under its limits.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -43,7 +43,7 @@ pub struct Component {
     pub name: String,
     /// Its name in the description.
     pub component: String,
-    /// `running`, `down` (the process of its cell has ended), `damaged` (its codels wrote past the
+    /// `running`, `held` (its tasks wait until the system of `genomctl thaw` is complete), `down` (the process of its cell has ended), `damaged` (its codels wrote past the
     /// memory they were given), `stuck in CODEL for 12 s`, or `spins in CODEL for 12 s`.
     pub state: String,
     /// Codels that count as stuck; absent if none.
@@ -68,6 +68,9 @@ pub struct Component {
     /// What it is supervised by; absent if nothing.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub supervision: Vec<Rule>,
+    /// What was not taken over as it was when its state was put back; absent if all was, or none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
     /// Names of its remotes: services of other components that its codels call.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remotes: Vec<String>,

@@ -43,6 +43,7 @@ mod events;
 mod execution;
 mod findings;
 pub mod frames;
+pub mod freeze;
 mod load;
 mod logs;
 mod middlewares;
@@ -63,6 +64,7 @@ mod services;
 mod several;
 pub mod socket;
 pub mod sse;
+mod state;
 mod statistics;
 mod supervision;
 mod tokens;
@@ -94,6 +96,7 @@ pub use events::{AnyChange, Change, ChangeParameters, Fired, StepStatus};
 pub use execution::ExecutionKind;
 pub use findings::{Finding, Findings};
 pub use frames::{RecordingEnds, RecordingRequest};
+pub use freeze::{Frozen, GoesOn, ThawRequest, Thawed, ThawedComponent};
 pub use load::{LoadRequest, TaskEntry};
 pub use logs::{Level, LogEntry, LogParameters, Logs};
 pub use middlewares::{
@@ -115,6 +118,10 @@ pub use replay::Replayed;
 pub use right::Right;
 pub use routes::STANDARD_SERVICES;
 pub use services::{CallParameters, CallReply, Inputs, Started};
+pub use state::{
+    FrozenActivity, FrozenCall, FrozenComponent, FrozenPhase, FrozenState, FrozenValue, FrozenWait,
+    Restore, Resumption,
+};
 pub use statistics::{CodelStatistics, Durations, Statistics, TaskStatistics};
 pub use supervision::{
     Condition, Kind, MOST_RULES, NoRule, OwnResponse, Response, Rule, SupervisionEntry, Whose,

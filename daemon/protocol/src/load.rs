@@ -3,12 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, de};
 use serde_json::Value;
 
 use crate::several::one_or_several;
 use crate::supervision::rules;
-use crate::{BackendNames, QosEntry, Reaction, RestartPolicy, SupervisionEntry};
+use crate::{
+    BackendNames, QosEntry, Reaction, RestartPolicy, Restore, Resumption, SupervisionEntry,
+};
 
 /// A component to load.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
@@ -45,6 +47,14 @@ pub struct LoadRequest {
     /// Whether it is brought up again when the process of its cell has ended.
     #[serde(default, skip_serializing_if = "RestartPolicy::is_default")]
     pub restart: RestartPolicy,
+    /// Seconds between two copies of its IDS, which are put back when the process of its cell has
+    /// ended by a fault; by default none are made.
+    #[serde(default, deserialize_with = "seconds", skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "openapi", schema(minimum = 0.02, maximum = 3600))]
+    pub snapshot: Option<f64>,
+    /// What is put back of such a copy.
+    #[serde(default, skip_serializing_if = "Restore::is_default")]
+    pub restore: Restore,
     /// What is done of other components when it fails: when the process of its cell ends by a fault.
     #[serde(default, deserialize_with = "one_or_several", skip_serializing_if = "Vec::is_empty")]
     pub on_failure: Vec<Reaction>,
@@ -60,6 +70,17 @@ pub struct LoadRequest {
     /// Attributes to call as soon as the component runs: inputs by name of the attribute.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub attributes: BTreeMap<String, Value>,
+    /// The state to go on with: as `genomctl thaw` asks for it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub resume: Option<Box<Resumption>>,
+}
+
+fn seconds<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
+    let seconds = f64::deserialize(from)?;
+    if (0.02..=3600.0).contains(&seconds) {
+        return Ok(Some(seconds));
+    }
+    Err(de::Error::custom(format!("{seconds} is not between 0.02 and 3600 s")))
 }
 
 impl LoadRequest {

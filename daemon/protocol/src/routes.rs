@@ -19,11 +19,11 @@ use crate::{
     BlackBoxLeft, CallParameters, CallReply, Cell, CellEnds, Cells, Change, ChangeParameters,
     Clock, Component, ComponentReload, Components, Connection, ConnectionRequest, Connections,
     CrashReport, Crashes, Daemons, DeploymentRequest, Description, Disconnected, Dumped, Findings,
-    Fired, Inputs, LoadRequest, LogEntry, LogParameters, Logs, LookParameters,
+    Fired, Frozen, GoesOn, Inputs, LoadRequest, LogEntry, LogParameters, Logs, LookParameters,
     MiddlewareParameters, Middlewares, MoveRequest, Moved, Port, PortParameters, PortTraffic,
     PortType, Ports, Published, Ready, ReadyParameters, RecordingEnds, RecordingRequest,
     ReloadRequest, Reloaded, Replayed, Right, Service, Statistics, StepRequest, Stopping,
-    StreamParameters, Unloaded, ValueParameters,
+    StreamParameters, ThawRequest, Thawed, Unloaded, ValueParameters,
 };
 
 /// HTTP method.
@@ -249,6 +249,12 @@ routes! {
     Get dump() [Read] "/deployment", Dumped;
     /// Applies a deployment.
     Post apply() [Admin] "/deployment" => DeploymentRequest, Applied;
+    /// Writes the state of the running system into the reply.
+    Post freeze() [Admin] "/freeze", Frozen;
+    /// Brings a system back as it was.
+    Post thaw() [Admin] "/thaw" => ThawRequest, Thawed;
+    /// Lets a component go on that was loaded held.
+    Post go_on(component) [Admin] "/components/{component}/go_on", GoesOn;
     /// Records ports and calls of services.
     Post record() [Read] "/recordings" => RecordingRequest, Bytes;
     /// Ends a recording.

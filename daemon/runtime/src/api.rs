@@ -15,6 +15,19 @@ pub type Reply = Box<dyn FnMut(Progress) + Send>;
 /// Called once, by any thread, when a shutdown is complete: no codel of the instance runs, or will.
 pub type OnShutdown = Box<dyn FnOnce() + Send>;
 
+/// Phases of an activity's life (genom3.md 7.4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ActivityPhase {
+    /// Accepted, not started.
+    Init,
+    /// Running.
+    Run,
+    /// Asked to stop; runs its `stop` codel, or a later one.
+    Stop,
+    /// Ended; its client will be informed next.
+    Ether,
+}
+
 /// A step of a request.
 #[derive(Debug)]
 pub enum Progress {

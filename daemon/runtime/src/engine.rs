@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use genom_description::model::{Indexed, Owner, ServiceIx, TaskIx};
 
-use crate::api::Supervision;
+use crate::api::{ActivityPhase, Supervision};
 use crate::body::Frame;
 use crate::control::window::Window;
 use crate::control::{Control, Stage};
@@ -92,19 +92,6 @@ pub struct ActivityStatus {
     pub paused: bool,
     /// Name of who asked it to stop, if anybody did.
     pub stopped_by: Option<String>,
-}
-
-/// Phases of an activity's life (genom3.md 7.4).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ActivityPhase {
-    /// Accepted, not started.
-    Init,
-    /// Running.
-    Run,
-    /// Asked to stop; runs its `stop` codel, or a later one.
-    Stop,
-    /// Ended; its client will be informed next.
-    Ether,
 }
 
 impl Engine {

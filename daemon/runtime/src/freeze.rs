@@ -4,8 +4,9 @@ use std::time::{Duration, Instant};
 
 use genom_description::model::Owner;
 
+use crate::api::ActivityPhase;
 use crate::control::{Control, Entry, Phase, Stage};
-use crate::engine::{ActivityPhase, Engine};
+use crate::engine::Engine;
 use crate::frozen::{Frozen, FrozenActivity, FrozenToken, Waiting};
 use crate::running::HeldUp;
 use crate::task::run::{Mode, Run, Status};
@@ -29,11 +30,15 @@ pub enum FreezeError {
 }
 
 impl Engine {
-    pub(crate) fn freeze(&self, patience: Duration) -> Result<Frozen, FreezeError> {
+    pub(crate) fn freeze(
+        &self,
+        patience: Duration,
+        also: &mut dyn FnMut(),
+    ) -> Result<Frozen, FreezeError> {
         let end = Instant::now() + patience;
         loop {
             let by = self.running_codels().into_iter().max_by_key(|codel| codel.for_ns);
-            if let Some(frozen) = self.try_freeze() {
+            if let Some(frozen) = self.try_freeze(end, also) {
                 return frozen.ok_or_else(|| FreezeError::Stopping { instance: self.name.clone() });
             }
             if Instant::now() >= end {
@@ -45,7 +50,7 @@ impl Engine {
     }
 
     /// `None` while a codel runs; `Some(None)` when the instance stops.
-    fn try_freeze(&self) -> Option<Option<Frozen>> {
+    fn try_freeze(&self, end: Instant, also: &mut dyn FnMut()) -> Option<Option<Frozen>> {
         let shared = &self.shared;
         // On a virtual clock: no step is under way in this instance.
         let _still = match &self.driven {
@@ -53,10 +58,24 @@ impl Engine {
             None => None,
         };
         let _one = self.everything.try_lock().ok()?;
-        let mut gates = Vec::with_capacity(self.gates.len());
-        for gate in &self.gates {
-            gates.push(gate.try_lock()?);
-        }
+        // Of tasks that make a pass, one is waited for while no other is kept from its own: it may
+        // hardly ever be between two passes by chance.
+        let all: Vec<_> = self.gates.iter().map(|gate| gate.try_lock()).collect();
+        let mut gates = match all.iter().position(Option::is_none) {
+            None => all,
+            Some(busy) => {
+                drop(all);
+                let task = self.shared.tasks.places().nth(busy)?;
+                let mut waited = self.gates[task].lock_until(end);
+                let others = self.gates.pairs();
+                others
+                    .map(
+                        |(other, gate)| if other == task { waited.take() } else { gate.try_lock() },
+                    )
+                    .collect()
+            }
+        };
+        let mut gates: Vec<_> = gates.drain(..).collect::<Option<_>>()?;
         let outside = shared.outside_context();
         let _permit = shared.exclusion.enter_all(outside, Some(Duration::ZERO))?;
         // Async codels of requests, which the exclusion does not wait for.
@@ -77,6 +96,13 @@ impl Engine {
                 activities.extend(self.frozen(&control, run));
             }
         }
+        for task in self.shared.tasks.places() {
+            let owner = Owner::Task(task);
+            if !activities.iter().any(|one| one.owner == owner) {
+                activities.push(FrozenActivity::over(owner));
+            }
+        }
+        also();
         let executed = control.services.pairs().filter(|(_, queue)| queue.ran);
         Some(Some(Frozen {
             ids: shared.body.ids(),

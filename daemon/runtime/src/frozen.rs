@@ -5,9 +5,8 @@ use std::fmt;
 use genom_description::model::{Owner, PortIx, ServiceIx, StateIx};
 use genom_types::Record;
 
-use crate::api::Reply;
+use crate::api::{ActivityPhase, Reply};
 use crate::body::Memory;
-use crate::engine::ActivityPhase;
 
 /// What an instance is between two passes of its tasks.
 ///
@@ -18,8 +17,8 @@ pub struct Frozen {
     pub ids: Option<Record>,
     /// Services that were executed successfully, for `before` and `after` (genom3.md 7.6).
     pub executed: Vec<ServiceIx>,
-    /// Permanent activities that have not ended, and activities of services; those of one task in
-    /// the order in which it runs their codels.
+    /// Permanent activities, and activities of services; those of one task in the order in which it
+    /// runs their codels.
     pub activities: Vec<FrozenActivity>,
 }
 
@@ -30,16 +29,32 @@ pub struct FrozenActivity {
     pub id: u32,
     /// Its service; a task for the permanent activity of one.
     pub owner: Owner,
-    /// [`Init`](ActivityPhase::Init), [`Run`](ActivityPhase::Run) or [`Stop`](ActivityPhase::Stop).
+    /// [`Init`](ActivityPhase::Init), [`Run`](ActivityPhase::Run) or [`Stop`](ActivityPhase::Stop); of a
+    /// permanent one that has ended [`Ether`](ActivityPhase::Ether).
     pub phase: ActivityPhase,
     /// Accepted, and waits for the end of those that it interrupts (genom3.md 7.6).
     pub pending: bool,
     /// Who asked it to stop, if anybody did.
     pub stopped_by: Option<String>,
-    /// The states where it is; none before it starts.
+    /// The states where it is; none before it starts, and none of a permanent one that has ended.
     pub tokens: Vec<FrozenToken>,
     /// Its inputs, outputs and local variables; none of a permanent activity.
     pub memory: Option<Memory>,
+}
+
+impl FrozenActivity {
+    /// A permanent activity that has ended.
+    pub(crate) fn over(owner: Owner) -> Self {
+        Self {
+            id: 0,
+            owner,
+            phase: ActivityPhase::Ether,
+            pending: false,
+            stopped_by: None,
+            tokens: Vec::new(),
+            memory: None,
+        }
+    }
 }
 
 /// A state where an activity is.
@@ -63,6 +78,7 @@ pub enum Waiting {
 }
 
 /// The last value of a port.
+#[derive(Debug)]
 pub struct FrozenPort {
     /// The port.
     pub port: PortIx,
@@ -86,9 +102,9 @@ pub struct Resume {
     pub ports: Vec<FrozenPort>,
     /// Services that were executed successfully.
     pub executed: Vec<ServiceIx>,
-    /// Permanent activities and those of services, as of [`Frozen::activities`]. `None`: permanent
-    /// ones stay where their start codels led them, and no others run.
-    pub activities: Option<Vec<Resumed>>,
+    /// Permanent activities and those of services, as of [`Frozen::activities`]. A permanent one that
+    /// is not among them stays where its start codel led it.
+    pub activities: Vec<Resumed>,
     /// Whether the tasks wait for [`Instance::go_on`](crate::Instance::go_on).
     pub hold: bool,
 }

@@ -176,17 +176,28 @@ impl Instance {
     }
 
     /// What it is between two passes of its tasks, which are kept from the next one while this
-    /// copies its memory. Waits at most `patience` until no codel runs.
+    /// copies its memory and does `also`, which must not block. Waits at most `patience` until no
+    /// codel runs.
     ///
     /// # Errors
     /// Codels ran whenever it looked, or the instance stops.
-    pub fn freeze(&self, patience: Duration) -> Result<Frozen, FreezeError> {
-        self.engine.freeze(patience)
+    pub fn freeze(
+        &self,
+        patience: Duration,
+        also: &mut dyn FnMut(),
+    ) -> Result<Frozen, FreezeError> {
+        self.engine.freeze(patience, also)
     }
 
     /// Lets the tasks go on that [`Resume::hold`] holds.
     pub fn go_on(&self) {
         self.engine.go_on();
+    }
+
+    /// Whether its tasks wait for [`go_on`](Self::go_on).
+    #[must_use]
+    pub fn is_held(&self) -> bool {
+        self.engine.shared.held.load(Ordering::Relaxed)
     }
 
     /// What of [`Options::resume`] could not be resumed, and why.

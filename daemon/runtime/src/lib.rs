@@ -49,11 +49,11 @@ mod watcher;
 pub use genom_description::model::{CodelIx, Indexed, Ix, PortIx, ServiceIx, StateIx, TaskIx};
 
 pub use api::{
-    ConnectionError, Exception, Inputs, OnShutdown, Outcome, Partial, Progress, Reply, Supervision,
-    input_record,
+    ActivityPhase, ConnectionError, Exception, Inputs, OnShutdown, Outcome, Partial, Progress,
+    Reply, Supervision, input_record,
 };
 pub use clock::{Clock, VirtualClock, nanos};
-pub use engine::{ActivityPhase, ActivityStatus, NoSuchActivity};
+pub use engine::{ActivityStatus, NoSuchActivity};
 pub use executor::Executor;
 pub use freeze::FreezeError;
 pub use frozen::{Frozen, FrozenActivity, FrozenPort, FrozenToken, Resume, Resumed, Waiting};

@@ -6,14 +6,21 @@ use std::sync::atomic::Ordering;
 use genom_description::model::{Ix as _, Owner, PortDirection, ServiceIx};
 use serde_json::Value;
 
-use crate::api::{Outcome, Progress, Reply};
+use crate::api::{ActivityPhase, Outcome, Progress, Reply};
 use crate::control::{Entry, Stage, genom, interrupted};
-use crate::engine::{ActivityPhase, Engine};
+use crate::engine::Engine;
 use crate::frozen::{FrozenActivity, FrozenToken, Resume, Resumed, Waiting};
 use crate::lock::lock;
 use crate::plan::Machine;
 use crate::task::run::{Mode, RunOutcome, Status, Token};
 use crate::watcher::Change;
+
+/// An activity is in a state in which no codel of it runs.
+#[derive(Debug, thiserror::Error)]
+#[error("no codel of it runs in state {state}")]
+struct NoCodel {
+    state: String,
+}
 
 impl Engine {
     /// Called once, when each task has made its first pass and is held.
@@ -47,15 +54,13 @@ impl Engine {
                 }
             }
         }
-        if let Some(all) = resume.activities {
-            self.resume_permanent(&all);
-            for Resumed { activity, reply } in all {
-                if let (Owner::Service(service), Some(reply)) = (activity.owner, reply) {
-                    self.resume_activity(service, activity, reply);
-                }
+        self.resume_permanent(&resume.activities);
+        for Resumed { activity, reply } in resume.activities {
+            if let (Owner::Service(service), Some(reply)) = (activity.owner, reply) {
+                self.resume_activity(service, activity, reply);
             }
-            self.lock().entries.sort_by_key(|entry| entry.id);
         }
+        self.lock().entries.sort_by_key(|entry| entry.id);
         if !resume.hold {
             self.go_on();
         }
@@ -84,10 +89,12 @@ impl Engine {
             let name = &self.shared.plan.component().tasks[task].name;
             let machine = &self.shared.plan.machines()[task.index()];
             let is_of_task = |one: &&Resumed| one.activity.owner == Owner::Task(task);
-            let wanted = all.iter().find(is_of_task).map(|one| &one.activity);
+            let Some(wanted) = all.iter().find(is_of_task).map(|one| &one.activity) else {
+                continue;
+            };
             let mut inside = self.gates[task].lock();
             let Some(run) = inside.core.run_of(task.index()) else {
-                if wanted.is_some() {
+                if !wanted.tokens.is_empty() {
                     self.not_resumed(format!("task {name}: its first codel ended it"));
                 }
                 continue;
@@ -95,18 +102,18 @@ impl Engine {
             if run.outcome.is_some() {
                 continue;
             }
-            match wanted.map(|wanted| self.tokens(&wanted.tokens, machine)) {
+            match self.tokens(&wanted.tokens, machine) {
                 // It had ended: its `stop` codel runs at the shutdown, as usual.
-                None => {
+                Ok(tokens) if tokens.is_empty() => {
                     run.tokens.clear();
                     run.outcome = Some(RunOutcome::Success);
                 }
-                Some(Ok(tokens)) => {
+                Ok(tokens) => {
                     run.tokens.clear();
                     run.tokens.extend(tokens);
                     run.tokens.last().map(|token| run.marker.show(*token));
                 }
-                Some(Err(why)) => {
+                Err(why) => {
                     self.not_resumed(format!(
                         "task {name}: {why}; it goes on after its start codel"
                     ));
@@ -127,7 +134,7 @@ impl Engine {
         };
         let tokens = match self.tokens(&activity.tokens, &self.shared.plan.machines()[machine]) {
             Ok(tokens) => tokens,
-            Err(why) => return refuse(reply, why, interrupted("resume")),
+            Err(why) => return refuse(reply, why.to_string(), interrupted("resume")),
         };
         let id = {
             let mut control = self.lock();
@@ -195,7 +202,7 @@ impl Engine {
     }
 
     /// The marking, if all its states have codels. Each state counts once.
-    fn tokens(&self, wanted: &[FrozenToken], machine: &Machine) -> Result<Vec<Token>, String> {
+    fn tokens(&self, wanted: &[FrozenToken], machine: &Machine) -> Result<Vec<Token>, NoCodel> {
         let mut tokens: Vec<Token> = Vec::with_capacity(wanted.len());
         for one in wanted {
             let mode = match one.waits {
@@ -207,7 +214,7 @@ impl Engine {
             if machine.codel(one.state).is_none() && mode != Mode::Asleep {
                 let name = self.shared.plan.component().states.get(one.state);
                 let name = name.map_or("", String::as_str);
-                return Err(format!("no codel of it runs in state {name}"));
+                return Err(NoCodel { state: name.to_owned() });
             }
             if !tokens.iter().any(|token| token.state == one.state) {
                 tokens.push(Token { state: one.state, mode });

@@ -20,7 +20,8 @@ use crate::rules::MOST_RULES;
 use crate::running::{RunningCodel, seconds};
 use crate::shared::Shared;
 use crate::task::driven::DrivenTask;
-use crate::task::runner::{Runner, TaskSide};
+use crate::task::gate::TaskSide;
+use crate::task::runner::Runner;
 use crate::task::timing::Timing;
 use crate::task::{scheduling, thread};
 

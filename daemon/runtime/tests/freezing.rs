@@ -99,7 +99,7 @@ fn is_never_torn(execution: Execution) {
     let (_, instance) = start(execution, None);
     for round in 0..200 {
         let poke = request(&instance, "poke");
-        let ids = instance.freeze(LONG).unwrap().ids.unwrap().to_json();
+        let ids = instance.freeze(LONG, &mut || {}).unwrap().ids.unwrap().to_json();
         assert_eq!(ids["a"], ids["b"], "round {round}");
         assert_eq!(next(&poke), "done");
     }
@@ -119,7 +119,7 @@ fn frozen_ids_are_those_between_two_codels_also_in_one_thread() {
 fn tasks_go_on_after_each_freeze() {
     let (ids, instance) = start(Execution::Threads, None);
     for _ in 0..20 {
-        instance.freeze(LONG).unwrap();
+        instance.freeze(LONG, &mut || {}).unwrap();
         let seen = ids[0].load(Ordering::SeqCst);
         until("the tasks go on", || ids[0].load(Ordering::SeqCst) > seen);
     }
@@ -137,7 +137,7 @@ fn thawed_ids_replace_what_start_codels_wrote_before_any_other_codel_runs() {
             ids: Some(Box::new(change)),
             ports: Vec::new(),
             executed: Vec::new(),
-            activities: None,
+            activities: Vec::new(),
             hold: false,
         };
         let (ids, _instance) = start(execution, Some(resume));
@@ -157,11 +157,11 @@ fn a_codel_that_runs_all_the_time_is_named() {
     let instance = Closures::new(text, &[("slow", slow)]).start();
     let answers = request(&instance, "a");
     key.wait();
-    let refused = instance.freeze(Duration::ZERO).unwrap_err();
+    let refused = instance.freeze(Duration::ZERO, &mut || {}).unwrap_err();
     assert!(matches!(&refused, FreezeError::Busy(_)), "{refused}");
     assert!(refused.to_string().contains("slow"), "{refused}");
     key.let_one_pass();
-    instance.freeze(LONG).unwrap();
+    instance.freeze(LONG, &mut || {}).unwrap();
     assert_eq!(next(&answers), "accepted 2");
     assert_eq!(next(&answers), "done");
 }

@@ -17,6 +17,7 @@ mod cli;
 mod components;
 mod control_plane;
 mod deployment;
+mod freezing;
 mod gateways;
 mod process;
 mod reload;

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from typing import Any, Dict, List, Optional
 
@@ -69,6 +70,26 @@ class Daemon:
     def dump(self) -> str:
         """The running system, as text of a deployment file."""
         return str(self._transport.request("GET", "/deployment")["text"])
+
+    def freeze(self, file: str) -> None:
+        """Writes the state of the running system into a file, readable by its owner only."""
+        text = json.dumps(self._transport.request("POST", "/freeze"), indent=1) + "\n"
+        aside = f"{file}.{os.getpid()}"
+        descriptor = os.open(aside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+        try:
+            with open(descriptor, "w", encoding="utf-8") as opened:
+                opened.write(text)
+            os.replace(aside, file)
+        except BaseException:
+            os.unlink(aside)
+            raise
+
+    def thaw(self, file: str, *, replace: bool = False) -> Dict[str, List[str]]:
+        """Brings back what ``freeze`` wrote; returns what was not taken over, by component."""
+        with open(file, encoding="utf-8") as opened:
+            body = {"frozen": json.load(opened), "replace": replace}
+        thawed = self._transport.request("POST", "/thaw", body)["components"]
+        return {one["name"]: list(one.get("notes", [])) for one in thawed}
 
     def why(self, address: str) -> List[Dict[str, Any]]:
         """Why no data flows through ``component/port``, or why calls of a remote fail."""

@@ -239,6 +239,7 @@ mod tests {
             backend: BackendNames::one("shm"),
             port_backends: Default::default(),
             library: "demo.so".into(),
+            notes: Vec::new(),
             activities: 1,
             supervision: Vec::new(),
             remotes: Vec::new(),

@@ -26,6 +26,7 @@ mod events;
 mod explain;
 mod fire;
 mod fmt;
+mod freeze;
 mod graph;
 mod header;
 mod hz;
@@ -49,6 +50,7 @@ mod start;
 mod stats;
 mod step;
 mod stop;
+mod thaw;
 mod token;
 mod top;
 mod unload;
@@ -101,6 +103,8 @@ pub(crate) enum Verb {
     Step(step::Args),
     Apply(apply::Args),
     Dump(dump::Args),
+    Freeze(freeze::Args),
+    Thaw(thaw::Args),
     Backend(backend::Args),
     Backends(backends::Args),
     Why(why::Args),
@@ -176,6 +180,8 @@ pub(crate) async fn run(
         Verb::Step(args) => step::run(args, session).await,
         Verb::Apply(args) => apply::run(args, session).await,
         Verb::Dump(args) => dump::run(args, session).await,
+        Verb::Freeze(args) => freeze::run(args, session).await,
+        Verb::Thaw(args) => thaw::run(args, session).await,
         Verb::Backend(args) => backend::run(args, session).await,
         Verb::Backends(args) => backends::run(args, session).await,
         Verb::Why(args) => why::run(args, session).await,

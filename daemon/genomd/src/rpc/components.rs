@@ -259,6 +259,7 @@ fn summary(hosted: &Hosted) -> Component {
         component: hosted.model().name.clone(),
         state: match hosted.damage() {
             Some(_) => "damaged".to_owned(),
+            None if hosted.is_held() => "held".to_owned(),
             None => hosted.stuck_in().or_else(spinning).unwrap_or_else(|| "running".to_owned()),
         },
         stuck: hosted.stuck().iter().map(codels::running).collect(),
@@ -269,6 +270,7 @@ fn summary(hosted: &Hosted) -> Component {
         library: hosted.library(),
         activities: hosted.activities.running(),
         supervision: hosted.rules(),
+        notes: hosted.notes.clone(),
         remotes: hosted.model().remotes.iter().map(|remote| remote.name.clone()).collect(),
     }
 }

@@ -21,6 +21,7 @@ mod daemons;
 mod deployment;
 mod document;
 mod events;
+mod freeze;
 mod held_up;
 mod logs;
 mod metrics;
@@ -44,7 +45,7 @@ use axum::http::{StatusCode, Uri};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::Response;
 use axum::{Extension, Router};
-use genom_doors::{Door, Rights, RpcError, Tokens, guard};
+use genom_doors::{Bodies, Door, Rights, RpcError, Tokens, guard};
 use genom_protocol::Code;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -86,6 +87,9 @@ fn routes() -> OpenApiRouter<Parts> {
         .routes(routes!(connections::disconnect))
         .routes(routes!(connections::disconnect_element))
         .routes(routes!(deployment::dump, deployment::apply))
+        .routes(routes!(freeze::freeze))
+        .routes(routes!(freeze::thaw))
+        .routes(routes!(freeze::go_on))
         .routes(routes!(tasks::statistics))
         .routes(routes!(recordings::start))
         .routes(routes!(recordings::end))
@@ -118,7 +122,8 @@ pub(crate) fn router(daemon: &Arc<Daemon>, tokens: &Arc<Tokens>, door: Door) -> 
         .with_state(Parts(Arc::clone(daemon)));
     let rows = genom_protocol::routes::all();
     let rights = Rights::of(rows.iter().map(|row| (row.method, row.template, row.right)));
-    guard(router, rights, door, daemon.rpc.max_body)
+    let large = &[("/thaw", freeze::LARGEST)];
+    guard(router, rights, door, Bodies { most: daemon.rpc.max_body, large })
 }
 
 /// In a cell, what a request changed is written down before it is answered.

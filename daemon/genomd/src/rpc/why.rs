@@ -151,6 +151,7 @@ fn of_component(hosted: &Hosted) -> Vec<Finding> {
     spinning_codels(hosted, &mut out);
     stopped_tasks(hosted, &mut out);
     broken_rules(hosted, &mut out);
+    out.extend(hosted.notes.iter().map(|note| finding(note, "see docs/freeze.md")));
     if let Some(written) = hosted.damage() {
         let fix = "set check_memory = \"each-codel\" to find the codel, mend it and load it again";
         out.push(finding(format!("the memory of {} is damaged: {written}", hosted.name), fix));

@@ -2,8 +2,10 @@
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use rustix::thread::futex;
+use rustix::time::Timespec;
 
 /// Priority-inheriting futex: the word is 0, or the holder's thread id (protocol of the kernel).
 #[derive(Debug, Default)]
@@ -40,6 +42,28 @@ impl PiLock {
     /// Locks it if nobody holds it.
     pub(crate) fn try_lock(&self) -> bool {
         self.word.compare_exchange(0, this_thread(), Ordering::Acquire, Ordering::Relaxed).is_ok()
+    }
+
+    /// Locks it; `false` when its holder has not unlocked it by then.
+    pub(crate) fn lock_until(&self, end: Instant) -> bool {
+        while !self.try_lock() {
+            let left = end.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return false;
+            }
+            // The kernel takes a date of this clock, and hands the lock over: a holder that locks it
+            // again at once finds it taken.
+            let date = SystemTime::now() + left;
+            let date = date.duration_since(UNIX_EPOCH).ok();
+            let date = date.and_then(|date| Timespec::try_from(date).ok());
+            let flags = futex::Flags::PRIVATE;
+            if !cfg!(miri) && futex::lock_pi(&self.word, flags, date.as_ref()).is_ok() {
+                self.word.load(Ordering::Acquire);
+                return true;
+            }
+            std::thread::yield_now();
+        }
+        true
     }
 
     pub(crate) fn unlock(&self) {

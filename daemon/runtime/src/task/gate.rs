@@ -2,11 +2,28 @@
 
 use std::ops::{Deref, DerefMut};
 use std::sync::{Mutex, MutexGuard};
+use std::time::Instant;
+
+use rtrb::{Consumer, Producer};
 
 use super::core::Core;
-use super::runner::TaskSide;
+use super::run::Run;
 use crate::exclusion::PiLock;
 use crate::lock::lock;
+use crate::rules::Seen;
+use crate::shared::Notice;
+
+/// A task's ends of the rings to and from control, which are bounded and wait-free.
+pub(crate) struct TaskSide {
+    /// Runs to start.
+    pub(crate) inbox: Consumer<Box<Run>>,
+    /// Runs that ended.
+    pub(crate) outbox: Producer<Box<Run>>,
+    /// Notices to watchers; `None` if there are none.
+    pub(crate) notices: Option<Producer<Notice>>,
+    /// Rules that were broken; `None` if there are no rules.
+    pub(crate) broken: Option<Producer<Seen>>,
+}
 
 /// The activities of a task, and its ends of the rings.
 pub(crate) struct Inside {
@@ -62,6 +79,11 @@ impl Gate {
     /// `None` while the task makes a pass.
     pub(crate) fn try_lock(&self) -> Option<Held<'_>> {
         self.turn.try_lock().then(|| self.held())
+    }
+
+    /// Waits until the task has made its pass; `None` when that takes longer.
+    pub(crate) fn lock_until(&self, end: Instant) -> Option<Held<'_>> {
+        self.turn.lock_until(end).then(|| self.held())
     }
 
     #[inline]

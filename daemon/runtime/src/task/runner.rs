@@ -4,26 +4,14 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use genom_description::model::{CodelIx, Ix as _, StateIx, TaskIx};
-use rtrb::{Consumer, Producer};
+use rtrb::Producer;
 
 use super::core::{Calls, Core, Passed};
-use super::gate::{Gate, Inside};
+use super::gate::{Gate, Inside, TaskSide};
 use super::run::{Mode, Run, RunOutcome, Token};
 use crate::body::Returned;
 use crate::rules::{Fact, Seen};
 use crate::shared::{Notice, Shared};
-
-/// A task's ends of the rings to and from control, which are bounded and wait-free.
-pub(crate) struct TaskSide {
-    /// Runs to start.
-    pub(crate) inbox: Consumer<Box<Run>>,
-    /// Runs that ended.
-    pub(crate) outbox: Producer<Box<Run>>,
-    /// Notices to watchers; `None` if there are none.
-    pub(crate) notices: Option<Producer<Notice>>,
-    /// Rules that were broken; `None` if there are no rules.
-    pub(crate) broken: Option<Producer<Seen>>,
-}
 
 /// One task of an instance; driven by a thread, or by the thread that steps a virtual clock.
 pub(crate) struct Runner {

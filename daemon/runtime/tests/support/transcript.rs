@@ -146,7 +146,7 @@ impl Play {
     }
 
     fn freeze(&mut self) {
-        let frozen = self.instance().freeze(Duration::ZERO).unwrap();
+        let frozen = self.instance().freeze(Duration::ZERO, &mut || {}).unwrap();
         let model = self.body.plan.component();
         for a in &frozen.activities {
             let owner = match a.owner {
@@ -194,7 +194,7 @@ impl Play {
             });
             Resumed { activity, reply: Some(reply) }
         };
-        let activities = Some(activities.into_iter().map(resumed).collect());
+        let activities = activities.into_iter().map(resumed).collect();
         self.start(Some(Resume { ids: None, ports: Vec::new(), executed, activities, hold }));
         let unresumed = self.instance().unresumed();
         unresumed.into_iter().for_each(|what| self.note(format!("not resumed: {what}")));

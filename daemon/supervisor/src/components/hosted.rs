@@ -16,20 +16,21 @@ use genom_runtime::{
     StartError, Statistics, Ticket, Watcher, seconds,
 };
 use genom_types::{DataType, Record};
-use serde_json::{Value, json};
-use tracing::Span;
+use serde_json::Value;
 
 use super::activities::{Activity, ActivityLog};
 use super::build::Build;
 use super::guard::Guard;
-use super::input::{Asked, Completion, InputError};
+use super::input::{Asked, InputError};
+use super::prepared::Prepared;
 use super::spins::{Spin, Spins, times_of};
 use super::standing::Standing;
+use super::tracked::{Tracked, resume};
 use super::watch::{BusWatcher, Follower};
 use crate::bus::Bus;
 use crate::flag::Flag;
 use crate::outcome::Outcome;
-use crate::recording::{Call, Recordings};
+use crate::recording::Recordings;
 use crate::spans;
 use crate::ties::Ties;
 use genom_configuration::BackendNames;
@@ -71,6 +72,8 @@ pub struct Hosted {
     pub ties: Arc<Ties>,
     /// Requests whose effect lasts: they are written into dumps.
     pub standing: Arc<Standing>,
+    /// What was not taken over as it was when its state was put back.
+    pub notes: Vec<String>,
     /// Raised when it is unloaded, to end streams.
     pub gone: Flag,
     /// Raised when it asked to be unloaded (service `kill`).
@@ -107,6 +110,8 @@ pub struct Starting {
     pub recordings: Arc<Recordings>,
     /// How long the results of its activities are kept.
     pub keep_results: Duration,
+    /// The state where it is to go on.
+    pub(crate) prepared: Option<Prepared>,
 }
 
 impl Hosted {
@@ -116,21 +121,33 @@ impl Hosted {
         component: Arc<Component>,
         mut options: Options,
     ) -> Result<Self, StartError> {
-        let Starting { name, build, plan, ties, killed, .. } = starting;
+        let Starting { name, build, plan, ties, killed, prepared, .. } = starting;
+        let activities = Arc::new(ActivityLog::new(starting.keep_results));
+        let standing: Arc<Standing> = Arc::default();
+        let mut notes = Vec::new();
+        options.resume = prepared.map(|mut prepared| {
+            notes = std::mem::take(&mut prepared.notes);
+            for call in &prepared.deployed {
+                standing.deployed(&call.service, call.inputs.clone());
+            }
+            resume(prepared, &name, &activities, &standing)
+        });
         let serves_at_once = matches!(options.clock, Clock::Virtual(_));
         let guard = Arc::new(starting.guard);
         let watcher = Arc::new(BusWatcher::new(&starting.bus, &name, &plan, &guard));
         options.watcher = Some(Arc::clone(&watcher) as Arc<dyn Watcher>);
         let body: Arc<dyn Body> = Arc::clone(&component) as _;
         let instance = Instance::start(Arc::clone(&plan), body, options)?;
+        notes.extend(instance.unresumed());
         Ok(Self {
             name,
             build: Mutex::new(build),
             component,
             reloading: Mutex::default(),
-            activities: Arc::new(ActivityLog::new(starting.keep_results)),
+            activities,
             ties,
-            standing: Arc::default(),
+            standing,
+            notes,
             gone: Flag::new(),
             killed,
             recordings: starting.recordings,
@@ -339,6 +356,16 @@ impl Hosted {
         Some(stuck.as_ref().map_or(found.state, stuck_in))
     }
 
+    /// Whether its tasks wait until they are told to go on.
+    pub fn is_held(&self) -> bool {
+        self.instance.is_held()
+    }
+
+    /// Lets its tasks go on.
+    pub fn go_on(&self) {
+        self.instance.go_on();
+    }
+
     /// Where its codels wrote past the memory they were given, if that was detected.
     pub fn damage(&self) -> Option<String> {
         self.instance.damage()
@@ -420,67 +447,6 @@ pub enum Heard {
     Ended(genom_runtime::Outcome),
     /// The inputs cannot be combined with the present values of the component. Nothing was changed.
     Refused(InputError),
-}
-
-/// Follows one request: its activity, span, recording and remembered inputs.
-struct Tracked {
-    /// Lasts from the request to its end.
-    span: Span,
-    /// The recorded request, if there is a recording: its end is recorded, too.
-    call: Option<Call>,
-    log: Arc<ActivityLog>,
-    service: String,
-    running: Option<Arc<Activity>>,
-    standing: Arc<Standing>,
-    /// The inputs, if they are to be remembered.
-    inputs: Option<Value>,
-    /// Result of completing partial inputs.
-    completion: Option<Completion>,
-}
-
-impl Tracked {
-    /// Remembers the completed inputs. Returns the reason if they were refused.
-    fn completed(&mut self) -> Option<InputError> {
-        let completion = self.completion.take()?;
-        let mut completed = completion.lock().unwrap_or_else(PoisonError::into_inner);
-        if let (Some(inputs), Some(all)) = (&mut self.inputs, completed.inputs.take()) {
-            *inputs = all;
-        }
-        completed.refused.take()
-    }
-
-    fn started(&mut self, number: u32) -> Arc<Activity> {
-        let activity = self.log.started(u64::from(number), &self.service);
-        self.running = Some(Arc::clone(&activity));
-        if let Some(inputs) = self.inputs.take() {
-            self.standing.activity(activity.number, inputs);
-        }
-        activity
-    }
-
-    fn ended(&mut self, outcome: Outcome) {
-        let activity = self.running.as_ref().map(|activity| activity.number);
-        if let Some(call) = self.call.take() {
-            call.ended(activity, &outcome);
-        }
-        // The span ends when its last handle is dropped.
-        spans::ended(&std::mem::replace(&mut self.span, Span::none()), activity, &outcome);
-        if let Some(inputs) = self.inputs.take().filter(|_| outcome.exception().is_none()) {
-            self.standing.attribute(&self.service, inputs);
-        }
-        if let Some(activity) = self.running.take() {
-            self.standing.ended(activity.number);
-            self.log.ended(&activity, outcome);
-        }
-    }
-}
-
-impl Drop for Tracked {
-    fn drop(&mut self) {
-        // The component could not be stopped in time: callers must not wait forever.
-        let (name, detail) = ("::genom::interrupted".to_owned(), json!({"by": "kill"}));
-        self.ended(Outcome::Exception { name, detail });
-    }
 }
 
 /// How a codel that does not return is described to users.

@@ -25,7 +25,7 @@ struct State {
 
 impl Standing {
     /// An attribute was set to these inputs.
-    pub(super) fn attribute(&self, service: &str, inputs: Value) {
+    pub(crate) fn attribute(&self, service: &str, inputs: Value) {
         self.with(|state| state.attributes.insert(service.to_owned(), inputs));
     }
 

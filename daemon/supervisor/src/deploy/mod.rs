@@ -12,12 +12,15 @@ pub use error::{MoveError, StepError};
 pub use step::Step;
 pub use steps::{Contradiction, Steps};
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
 use genom_configuration::Deployment;
+use genom_protocol::FrozenComponent;
 
 use self::steps::Present;
+use crate::components::FreezeError;
 use crate::settings::Settings;
 use crate::supervisor::Supervisor;
 
@@ -34,6 +37,19 @@ impl Supervisor {
     #[must_use]
     pub fn declared(&self) -> Deployment {
         dump::declared(&self.components, &self.connections)
+    }
+
+    /// The states of all components, one after the other: of each it is that of one moment. Waits at
+    /// most `patience` for each.
+    ///
+    /// # Errors
+    /// The codels of one leave no moment between them.
+    pub fn freeze(
+        &self,
+        patience: Duration,
+    ) -> Result<BTreeMap<String, FrozenComponent>, FreezeError> {
+        let all = self.components.all();
+        all.iter().map(|hosted| Ok((hosted.name.clone(), hosted.freeze(patience)?))).collect()
     }
 
     /// Computes the steps from what runs to a deployment. With `prune`, what the deployment does not

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::locate::LocateError;
 use super::supervision::NoSuchRule;
+use crate::components::Unfit;
 use crate::connections::BindError;
 use crate::known::ReadError;
 use genom_configuration::NoPeriod;
@@ -63,6 +64,9 @@ pub enum LoadError {
     /// A rule of its supervision does not fit it.
     #[error("{name}: supervision: {source}")]
     Supervision { name: String, source: Box<NoSuchRule> },
+    /// The state to go on with is wrong.
+    #[error("components.{name}.{source}")]
+    Resume { name: String, source: Unfit },
     /// A start codel failed (genom3.md 7.2).
     #[error("{name} does not start: {why}")]
     Start { name: String, why: String },
@@ -79,7 +83,10 @@ impl LoadError {
             LoadError::Supervision { .. } => vec!["supervision".to_owned()],
             LoadError::Override { .. } => vec!["tasks".to_owned()],
             LoadError::Name(_) | LoadError::Taken(_) => vec!["name".to_owned()],
-            LoadError::Stopping | LoadError::Bind { .. } | LoadError::Start { .. } => Vec::new(),
+            LoadError::Stopping
+            | LoadError::Resume { .. }
+            | LoadError::Bind { .. }
+            | LoadError::Start { .. } => Vec::new(),
             _ => vec!["library".to_owned()],
         }
     }

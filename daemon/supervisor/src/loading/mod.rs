@@ -59,6 +59,9 @@ impl Supervisor {
             return Err(LoadError::Attribute { name, key, why });
         }
         self.runs(&hosted);
+        for note in &hosted.notes {
+            tracing::warn!(instance = hosted.name, "{note}");
+        }
         Ok(hosted)
     }
 }
@@ -66,6 +69,12 @@ impl Supervisor {
 /// Sets the attributes; on failure returns the one that was refused.
 fn set_attributes(hosted: &Hosted, request: &LoadRequest) -> Result<(), (String, RequestError)> {
     for (service, inputs) in &request.attributes {
+        // What the state that was put back has of it already.
+        let resumed = request.resume.as_deref().map(|resumption| &resumption.state.attributes);
+        if resumed.and_then(|known| known.get(service)) == Some(inputs) {
+            hosted.standing.attribute(service, inputs.clone());
+            continue;
+        }
         let (component, service) = (hosted.name.clone(), service.clone());
         let entry = CallEntry { component, service, inputs: inputs.clone() };
         request::send_to(hosted, &entry).map_err(|error| (entry.service, error))?;

@@ -11,7 +11,7 @@ use super::built;
 use super::error::LoadError;
 use super::standard::StandardServices;
 use super::supervision;
-use crate::components::{Build, Guard, Hosted, Starting};
+use crate::components::{Build, Guard, Hosted, Starting, prepare};
 use crate::flag::Flag;
 use crate::supervisor::Supervisor;
 use crate::ties::{Bindings, Ties};
@@ -21,10 +21,22 @@ use genom_configuration::{BackendNames, terms};
 pub(super) fn start(
     supervisor: &Arc<Supervisor>,
     name: String,
-    build: Build,
+    mut build: Build,
     plan: Arc<Plan>,
     component: Component,
 ) -> Result<Arc<Hosted>, LoadError> {
+    let prepared = match build.request.resume.as_deref() {
+        None => None,
+        Some(wanted) => match prepare(&plan, wanted) {
+            Ok(prepared) => Some(prepared),
+            Err(why) if wanted.copy.is_some() => {
+                tracing::error!(instance = name, "it starts anew: its copy does not fit: {why}");
+                None
+            }
+            Err(source) => return Err(LoadError::Resume { name, source }),
+        },
+    };
+    build.request.resume = None;
     let request = build.request.clone();
     let default = || BackendNames::one(supervisor.settings.backend.as_str());
     let backend = request.backend.clone().unwrap_or_else(default);
@@ -62,6 +74,7 @@ pub(super) fn start(
         guard,
         recordings: Arc::clone(&supervisor.recordings),
         keep_results: supervisor.settings.keep_results,
+        prepared,
     };
     let hosted = match Hosted::start(starting, Arc::new(component), options) {
         Ok(hosted) => Arc::new(hosted),

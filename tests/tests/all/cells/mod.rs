@@ -40,7 +40,7 @@ fn cell(daemon: &Daemon, name: &str) -> Value {
 
 /// Sends a signal to the process of a cell.
 #[track_caller]
-fn signal(daemon: &Daemon, name: &str, signal: &str) {
+pub(crate) fn signal(daemon: &Daemon, name: &str, signal: &str) {
     let pid = cell(daemon, name)["pid"].as_u64().expect("a process").to_string();
     let sent = std::process::Command::new("kill").args(["-s", signal, &pid]).status();
     assert!(sent.expect("kill runs").success());

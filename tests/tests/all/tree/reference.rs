@@ -15,6 +15,16 @@ const ELSEWHERE: &[(&str, &str, &str)] = &[
         "mistakes_are_told_when_a_text_is_opened_and_go_when_they_are_corrected",
     ),
     (
+        "freeze",
+        "tests/tests/all/freezing/refused.rs",
+        "a_component_whose_codels_never_rest_is_not_frozen_and_the_codel_is_named",
+    ),
+    (
+        "thaw",
+        "tests/tests/all/freezing/thawed.rs",
+        "a_motion_goes_on_in_another_daemon_step_by_step_as_it_would_have",
+    ),
+    (
         "reload",
         "tests/tests/all/reload/kept.rs",
         "while_time_goes_on_the_new_code_goes_on_in_the_state_of_the_old",

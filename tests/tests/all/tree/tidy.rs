@@ -150,10 +150,10 @@ const FLOORS: &[(&str, &str)] = &[
     ),
     (
         "cells",
-        "end policy place shelf journal client crashes follow remains blackbox process bell setup cell \
-         asking cells gateway unmatched own react merge record wire lib",
+        "end policy place shelf snapshots journal client crashes follow remains blackbox process bell setup cell \
+         asking cells gateway unmatched own react merge record wire thaw lib",
     ),
-    ("genomd", "cli memory announcements startup settings daemon rpc signals life run check main"),
+    ("genomd", "cli announcements startup settings daemon rpc signals life run check main"),
 ];
 
 fn relative(path: &Path) -> String {

@@ -1,14 +1,12 @@
-//! Locks the daemon's memory in RAM, so that no task waits for a page.
+//! Locks the memory of the process in RAM, so that no task waits for a page.
 
 use rustix::io::Result;
 use rustix::mm::{MlockAllFlags, mlockall};
 
-/// Locks present and future memory. If that is not permitted, logs a warning and returns.
-pub(crate) fn lock() {
-    match refusal(mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE)) {
-        None => tracing::info!("memory is locked"),
-        Some(told) => tracing::warn!("{told}"),
-    }
+/// Locks present and future memory. Returns why not, if that is not permitted.
+#[must_use]
+pub fn lock_memory() -> Option<String> {
+    refusal(mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE))
 }
 
 fn refusal(locked: Result<()>) -> Option<String> {
