@@ -53,10 +53,17 @@ impl OwnCell {
     /// Its journal cannot be read.
     pub fn new(config: &Path) -> Result<Self, ConfigError> {
         let place = Place::of_config(config);
-        let before = journal::read(&place.journal())?;
+        let mut before = journal::read(&place.journal())?;
+        genom_supervisor::reloading::roll_back(&place.trials(), &mut before.component);
         let (writing, serves) = (Mutex::default(), Mutex::default());
         let snapshots = Arc::new(Snapshots::new(config.parent().unwrap_or(Path::new("."))));
         Ok(Self { place, before, snapshots, writing, serves })
+    }
+
+    /// Where is kept what components ran before a reload.
+    #[must_use]
+    pub fn trials(&self) -> PathBuf {
+        self.place.trials()
     }
 
     /// Prepares for a crash: a note for the daemon, and a core dump only where it is asked for.

@@ -110,6 +110,12 @@ impl Place {
         Ok(())
     }
 
+    /// Where is kept what components ran before a reload.
+    #[must_use]
+    pub fn trials(&self) -> PathBuf {
+        self.0.join("trials")
+    }
+
     /// Removes it with all that is in it, and the directory of all cells when it was the last.
     pub fn remove(&self) {
         if let Err(error) = fs::remove_dir_all(&self.0)

@@ -93,6 +93,7 @@ fn settings(cli: Cli, invitation: Invitation) -> Result<Settings, Refusal> {
         let own = OwnCell::new(&file).map_err(Refusal::usage)?;
         settings.lease = Some(genom_cells::own::take_lease().map_err(Refusal::own)?);
         settings.deployment = own.before();
+        settings.supervisor.trials = Some(own.trials());
         settings.own_cell = Some(Arc::new(own));
     }
     logs::start(&settings.log, settings.collector.is_some()).map_err(Refusal::usage)?;
