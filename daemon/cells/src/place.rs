@@ -167,6 +167,11 @@ impl Place {
         self.0.join("note")
     }
 
+    /// What of its limits does not hold, as it was told.
+    pub(crate) fn told(&self) -> PathBuf {
+        self.0.join("limits-told")
+    }
+
     /// Its directory.
     #[must_use]
     pub fn directory(&self) -> &Path {
