@@ -15,7 +15,7 @@ use tokio::sync::watch;
 use tokio::time::{sleep, timeout};
 
 use crate::client::Client;
-use crate::crashes::{Known, learn};
+use crate::crashes::{Dump, Known, learn};
 use crate::end::End;
 use crate::journal;
 use crate::place::Place;
@@ -57,6 +57,8 @@ struct State {
     components: Vec<String>,
     /// Whether somebody asked for the end of its process.
     asked: bool,
+    /// What was taken of its process when it crashed.
+    dump: Dump,
     /// What its last process held: more than the next one, if something is not to come back.
     held: Deployment,
     /// Broken rules that it told within this second.
@@ -362,7 +364,8 @@ impl Cell {
         let started = match self.setup.write_config(&self.name, &self.place) {
             Ok(()) => {
                 let memory = self.setup.boxes.begin(&self.name);
-                Process::start(&self.setup.program, &self.name, &self.place, memory.as_deref())
+                let (program, dumps) = (&self.setup.program, self.setup.config.crashes.minidump);
+                Process::start(program, &self.name, &self.place, memory.as_deref(), dumps)
                     .map_err(|error| error.to_string())
             }
             Err(error) => Err(error.to_string()),
@@ -375,7 +378,7 @@ impl Cell {
 
     /// Until the process ends.
     async fn run(&self, process: &Process, adopted: bool) -> End {
-        self.with(|state| state.pid = Some(process.pid()));
+        self.with(|state| (state.pid, state.dump) = (Some(process.pid()), process.dump()));
         let limit = self.setup.settings.ready_timeout;
         tokio::select! {
             end = process.ended() => return match self.place.taken_refusal() {

@@ -53,14 +53,25 @@ impl OwnCell {
     /// Its journal cannot be read.
     pub fn new(config: &Path) -> Result<Self, ConfigError> {
         let place = Place::of_config(config);
-        let before = journal::read(&place.journal())?;
+        let mut before = journal::read(&place.journal())?;
+        genom_supervisor::reloading::roll_back(&place.trials(), &mut before.component);
         let (writing, serves) = (Mutex::default(), Mutex::default());
         let snapshots = Arc::new(Snapshots::new(config.parent().unwrap_or(Path::new("."))));
         Ok(Self { place, before, snapshots, writing, serves })
     }
 
-    /// Prepares for a crash: a note for the daemon, and a core dump only where it is asked for.
-    pub fn expect_crashes(&self, core: bool) {
+    /// Where is kept what components ran before a reload.
+    #[must_use]
+    pub fn trials(&self) -> PathBuf {
+        self.place.trials()
+    }
+
+    /// Prepares for a crash: a note for the daemon, a dump by it if it takes one, and a core dump
+    /// only where it is asked for.
+    pub fn expect_crashes(&self, core: bool, lease: &mut Option<Lease>) {
+        if let Some(dumper) = lease.as_mut().and_then(|lease| lease.dumper.take()) {
+            genom_host::wait_for_dumps_at(dumper);
+        }
         let prepare = || {
             let mut options = OpenOptions::new();
             options.write(true).create(true).truncate(true).mode(0o600);
@@ -208,6 +219,19 @@ pub fn limit(file: &Path, config: &Config) -> Result<Vec<String>, OwnLimitError>
     let mut write = genom_registry::places(&config.backends);
     write.push(place.to_owned());
     Ok(genom_limits::apply(limits, &Grants { read, write })?)
+}
+
+/// Tells what of its limits does not hold: once, not at each start of its process.
+pub fn tell_limits(file: &Path, missing: &[String]) {
+    let (told, text) = (Place::of_config(file).told(), missing.join("\n"));
+    let before = std::fs::read_to_string(&told).unwrap_or_default();
+    if before == text {
+        return;
+    }
+    missing.iter().for_each(|line| tracing::warn!("limits of this cell: {line}"));
+    if let Err(error) = std::fs::write(&told, text) {
+        tracing::debug!("{}: {error}", told.display());
+    }
 }
 
 /// Why a cell does not run.

@@ -110,6 +110,12 @@ impl Place {
         Ok(())
     }
 
+    /// Where is kept what components ran before a reload.
+    #[must_use]
+    pub fn trials(&self) -> PathBuf {
+        self.0.join("trials")
+    }
+
     /// Removes it with all that is in it, and the directory of all cells when it was the last.
     pub fn remove(&self) {
         if let Err(error) = fs::remove_dir_all(&self.0)
@@ -159,6 +165,11 @@ impl Place {
     #[must_use]
     pub fn note(&self) -> PathBuf {
         self.0.join("note")
+    }
+
+    /// What of its limits does not hold, as it was told.
+    pub(crate) fn told(&self) -> PathBuf {
+        self.0.join("limits-told")
     }
 
     /// Its directory.

@@ -19,6 +19,7 @@ use rustix::process::{
 use tokio::sync::watch;
 
 use crate::blackbox::lend;
+use crate::crashes::Dump;
 use crate::end::End;
 use crate::place::Place;
 use crate::remains;
@@ -33,6 +34,7 @@ pub(crate) struct Process {
     handle: Arc<OwnedFd>,
     /// How it ended, once it has.
     end: watch::Receiver<Option<End>>,
+    dump: Dump,
     /// The other end of its standard input, which the child sees closed when this daemon ends.
     _lease: Option<UnixStream>,
 }
@@ -47,8 +49,11 @@ impl Process {
         name: &str,
         place: &Place,
         memory: Option<&Memory>,
+        dumps: bool,
     ) -> io::Result<Self> {
-        let (lease, theirs) = lend(memory)?;
+        let dumper = dumps.then(UnixStream::pair).transpose()?;
+        let their_dumper = dumper.as_ref().map(|(_, theirs)| theirs.as_fd());
+        let (lease, theirs) = lend(memory, their_dumper)?;
         let mut command = Command::new(program);
         command
             .arg("--run-cell")
@@ -64,9 +69,19 @@ impl Process {
             command.env("TMPDIR", place.temporary());
         }
         let pid = Pid::from_child(&command.spawn()?);
+        let dump = Dump::default();
+        if let Some((ours, theirs)) = dumper {
+            drop(theirs);
+            dump.await_request(pid.as_raw_nonzero().get(), ours)?;
+        }
         // For a daemon that comes after this one, when the cell does not answer it.
         fs::write(place.pid(), pid.as_raw_nonzero().to_string())?;
-        Self::of(pid, Some(lease), Some(place))
+        Ok(Self { dump, ..Self::of(pid, Some(lease), Some(place))? })
+    }
+
+    /// Of a process that crashes, what was taken of it.
+    pub(crate) fn dump(&self) -> Dump {
+        self.dump.clone()
     }
 
     /// A process that another daemon started, or this one before. With a place, what its codels
@@ -91,7 +106,7 @@ impl Process {
             }
             told.send_replace(Some(status(&watched)));
         })?;
-        Ok(Self { pid, handle, end, _lease: lease })
+        Ok(Self { pid, handle, end, dump: Dump::default(), _lease: lease })
     }
 
     pub(crate) fn pid(&self) -> u32 {

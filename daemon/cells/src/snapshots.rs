@@ -53,7 +53,9 @@ impl Snapshots {
         let mut going_on = Vec::new();
         for request in &mut deployment.component {
             let name = request.instance();
-            let Some(resumption) = self.take(request, &name) else { continue };
+            let taken = self.take(request, &name);
+            // A reload that is taken back has the state from before it.
+            let Some(resumption) = taken.filter(|_| request.resume.is_none()) else { continue };
             if resumption.activities {
                 going_on.push(name);
             }

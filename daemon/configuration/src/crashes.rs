@@ -19,11 +19,13 @@ pub struct CrashesSection {
     pub most_bytes: u64,
     /// Whether cells leave core dumps, as the system is configured.
     pub core: bool,
+    /// Whether a minidump of the process is put into the report of a crash.
+    pub minidump: bool,
 }
 
 impl Default for CrashesSection {
     fn default() -> Self {
-        Self { directory: None, most: 20, most_bytes: 67_108_864, core: false }
+        Self { directory: None, most: 20, most_bytes: 67_108_864, core: false, minidump: false }
     }
 }
 

@@ -9,7 +9,7 @@ use crate::error::OpenError;
 use crate::read::{self, EmbeddedDescription};
 
 /// The content of a library file for this machine. No code of it runs yet.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Contents {
     /// The file.
     pub path: PathBuf,

@@ -89,15 +89,20 @@ fn settings(cli: Cli, invitation: Invitation) -> Result<Settings, Refusal> {
     let missing = cell_file.as_ref().map(limit).transpose().map_err(Refusal::usage)?;
     let mut settings = Settings::new(cli, config).map_err(Refusal::usage)?;
     settings.invitation = invitation;
-    if let Some(file) = cell_file {
-        let own = OwnCell::new(&file).map_err(Refusal::usage)?;
+    if let Some(file) = &cell_file {
+        let own = OwnCell::new(file).map_err(Refusal::usage)?;
         settings.lease = Some(genom_cells::own::take_lease().map_err(Refusal::own)?);
         settings.deployment = own.before();
+        settings.supervisor.trials = Some(own.trials());
         settings.own_cell = Some(Arc::new(own));
     }
     logs::start(&settings.log, settings.collector.is_some()).map_err(Refusal::usage)?;
-    missing.iter().flatten().for_each(|line| tracing::warn!("limits of this cell: {line}"));
-    settings.own_cell.iter().for_each(|own| own.expect_crashes(settings.config.crashes.core));
+    if let (Some(file), Some(missing)) = (&cell_file, missing) {
+        genom_cells::own::tell_limits(file, &missing);
+    }
+    if let Some(own) = &settings.own_cell {
+        own.expect_crashes(settings.config.crashes.core, &mut settings.lease);
+    }
     genom_registry::check(&settings.supervisor.backend).map_err(Refusal::usage)?;
     genom_registry::check_options(&settings.supervisor.backends).map_err(Refusal::usage)?;
     Ok(settings)

@@ -16,7 +16,7 @@ use std::ffi::{c_int, c_void};
 use std::fmt::{self, Write as _};
 use std::fs::File;
 use std::mem::MaybeUninit;
-use std::os::fd::{IntoRawFd as _, RawFd};
+use std::os::fd::{IntoRawFd as _, OwnedFd, RawFd};
 use std::sync::atomic::{AtomicI32, Ordering};
 
 use crate::process::keep_from_children;
@@ -31,8 +31,12 @@ static WRITER: AtomicI32 = AtomicI32::new(0);
 /// Most return addresses.
 const FRAMES: usize = 64;
 
-/// How long the process may take to die, in seconds.
+/// How long the process may take to die, in seconds; and when somebody takes a dump of it.
 const PATIENCE: libc::time_t = 2;
+const PATIENCE_FOR_DUMP: libc::time_t = 20;
+
+/// A socket at whose other end somebody takes a dump of this process; -1 where nobody does.
+static DUMPER: AtomicI32 = AtomicI32::new(-1);
 
 unsafe extern "C" {
     /// Of the unwinder that Rust and C++ share; it calls `each` with every frame, innermost first.
@@ -49,6 +53,13 @@ pub fn note_crashes_in(file: File) {
     // The unwinder prepares itself at its first use.
     Addresses::here();
     NOTE.store(file.into_raw_fd(), Ordering::Release);
+}
+
+/// From now on, after a crash is noted, the number of the thread is sent to this socket (4 bytes,
+/// little endian), and the process waits for a byte before it ends: it can be looked at meanwhile.
+pub fn wait_for_dumps_at(socket: OwnedFd) {
+    keep_from_children(&socket);
+    DUMPER.store(socket.into_raw_fd(), Ordering::Release);
 }
 
 /// Whether crashes are noted: what codels work on is then kept in words.
@@ -129,7 +140,7 @@ fn write(what: &str, hit: Option<&Hit>) {
         // Another thread writes its own, and then ends the process.
         Err(_) => wait_for_the_end(),
     }
-    end_in_time();
+    let timer = end_in_time();
     let mut out = Out { to, room: [0; 256], used: 0 };
     // Nothing can be done about a note that cannot be written.
     let _ = facts(&mut out, what, hit, thread);
@@ -138,6 +149,32 @@ fn write(what: &str, hit: Option<&Hit>) {
     backtrace(&mut out, hit);
     let _ = out.write_str("end\n");
     out.flush();
+    wait_for_dump(thread, timer);
+}
+
+fn wait_for_dump(thread: i32, timer: Option<c_int>) {
+    let socket = DUMPER.load(Ordering::Acquire);
+    let Some(timer) = timer.filter(|_| socket >= 0) else { return };
+    end_after(timer, PATIENCE_FOR_DUMP);
+    let number = thread.to_le_bytes();
+    let flags = libc::MSG_NOSIGNAL | libc::MSG_DONTWAIT;
+    // SAFETY: the bytes are those of an array.
+    let sent = unsafe { libc::send(socket, number.as_ptr().cast(), number.len(), flags) };
+    if usize::try_from(sent) != Ok(number.len()) {
+        return;
+    }
+    let mut byte = 0_u8;
+    loop {
+        // SAFETY: there is room for a byte, and the C library's `errno` is this thread's.
+        let goes_on = unsafe {
+            libc::recv(socket, (&raw mut byte).cast(), 1, 0) < 0
+                && *libc::__errno_location() == libc::EINTR
+        };
+        // The thread is stopped and resumed while it is looked at, which interrupts the call.
+        if !goes_on {
+            return;
+        }
+    }
 }
 
 fn wait_for_the_end() {
@@ -147,21 +184,28 @@ fn wait_for_the_end() {
     }
 }
 
-/// Has the kernel end the process, whatever this thread does from here on.
-fn end_in_time() {
-    // SAFETY: all zeroes is a value of these types.
-    unsafe {
+/// Has the kernel end the process, whatever this thread does from here on; the timer that does.
+fn end_in_time() -> Option<c_int> {
+    let mut timer: c_int = 0;
+    // By system calls: the C library's function may allocate.
+    // SAFETY: all zeroes is a value of the type; the system reads it and writes a number.
+    let made = unsafe {
         let mut event: libc::sigevent = MaybeUninit::zeroed().assume_init();
         event.sigev_notify = libc::SIGEV_SIGNAL;
         event.sigev_signo = libc::SIGKILL;
-        let mut timer: c_int = 0;
+        let clock = libc::CLOCK_MONOTONIC;
+        libc::syscall(libc::SYS_timer_create, clock, &raw mut event, &raw mut timer)
+    };
+    (made == 0).then(|| end_after(timer, PATIENCE)).map(|()| timer)
+}
+
+fn end_after(timer: c_int, seconds: libc::time_t) {
+    // SAFETY: all zeroes is a value of the type; the system reads it.
+    unsafe {
         let mut when: libc::itimerspec = MaybeUninit::zeroed().assume_init();
-        when.it_value.tv_sec = PATIENCE;
-        let (clock, none) = (libc::CLOCK_MONOTONIC, std::ptr::null_mut::<libc::itimerspec>());
-        // By system calls: the C library's function may allocate.
-        if libc::syscall(libc::SYS_timer_create, clock, &raw mut event, &raw mut timer) == 0 {
-            libc::syscall(libc::SYS_timer_settime, timer, 0, &raw const when, none);
-        }
+        when.it_value.tv_sec = seconds;
+        let none = std::ptr::null_mut::<libc::itimerspec>();
+        libc::syscall(libc::SYS_timer_settime, timer, 0, &raw const when, none);
     }
 }
 

@@ -25,7 +25,7 @@ mod shared;
 mod what;
 
 pub use component::{CannotExchange, Component, LoadError, LoadErrors, MemoryCheck, check_memory};
-pub use crash_note::note_crashes_in;
+pub use crash_note::{note_crashes_in, wait_for_dumps_at};
 pub use last_words::{abort_in, end_is_ours, tell_last_words};
 pub use library::{Contents, Digest, EmbeddedDescription, Library, OpenError};
 pub use process::{

@@ -63,6 +63,13 @@ pub struct CrashReport {
     /// What the black box kept, if it is on: a file in the report's directory, or why there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub blackbox: Option<BlackBoxLeft>,
+    /// A minidump of the process, if one was asked for: a file in the report's directory, or why
+    /// there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub minidump: Option<String>,
+    /// Where the system has put a core dump, if one was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub core: Option<String>,
     /// The latest entries of the cell's log, oldest first.
     pub log: Vec<LogEntry>,
 }
@@ -162,6 +169,11 @@ impl fmt::Display for CrashReport {
                 writeln!(f, "black box: {} ({messages} messages)", file.display())?;
             }
             None => {}
+        }
+        for (what, told) in [("minidump", &self.minidump), ("core dump", &self.core)] {
+            if let Some(told) = told {
+                writeln!(f, "{what}: {told}")?;
+            }
         }
         for component in &self.components {
             let id = component.build_id.as_deref().unwrap_or("none");

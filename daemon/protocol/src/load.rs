@@ -70,6 +70,11 @@ pub struct LoadRequest {
     /// Attributes to call as soon as the component runs: inputs by name of the attribute.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub attributes: BTreeMap<String, Value>,
+    /// A copy of a library to run in place of the file, which ended the process of its cell soon
+    /// after a reload.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "openapi", schema(value_type = Option<String>))]
+    pub instead: Option<PathBuf>,
     /// The state to go on with: as `genomctl thaw` asks for it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub resume: Option<Box<Resumption>>,

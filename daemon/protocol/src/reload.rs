@@ -29,6 +29,13 @@ pub struct ComponentReload {
     /// Path of the library that it runs now.
     #[cfg_attr(feature = "openapi", schema(value_type = String))]
     pub library: PathBuf,
+    /// Whether it was stopped and started again, with its IDS, last values of ports and activities:
+    /// its description changed, or it has native data.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub restarted: bool,
+    /// What is new, gone or converted, and what does not go on, with the reason.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
     /// Whether the library before it stays in memory, because something may still use it.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub old_stays: bool,

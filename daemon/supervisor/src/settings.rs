@@ -36,6 +36,9 @@ pub struct Settings {
     pub max_activities: usize,
     /// How long the result of an ended activity is kept.
     pub keep_results: Duration,
+    /// Where is kept what components ran before a reload, until the new library has proved itself;
+    /// set in a cell.
+    pub trials: Option<PathBuf>,
     /// Which services are offered on which middlewares.
     pub offers: Offers,
 }
@@ -57,6 +60,7 @@ impl From<Config> for Settings {
             stuck_after: Duration::from_secs(config.stuck_after),
             max_activities: config.max_activities,
             keep_results: Duration::from_secs(config.rpc.keep_results),
+            trials: None,
             offers: config.services,
         }
     }

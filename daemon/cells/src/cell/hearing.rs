@@ -1,5 +1,6 @@
 //! What a cell tells while it lives, and the report of an end that nobody asked for.
 
+use std::io::Write as _;
 use std::path::Path;
 use std::sync::PoisonError;
 
@@ -7,11 +8,15 @@ use genom_protocol::{Change, Crash, CrashReport};
 
 use super::Cell;
 use super::supervised::VIOLATED;
-use crate::crashes::Known;
+use crate::crashes::{DumpError, Known};
 use crate::end::End;
 use crate::follow::Events;
 use crate::journal;
 use crate::setup::Told;
+use crate::shelf::create;
+
+/// Name of a minidump in a report.
+const MINIDUMP: &str = "minidump.dmp";
 
 impl Cell {
     fn with_known<T>(&self, work: impl FnOnce(&mut Known) -> T) -> T {
@@ -64,6 +69,7 @@ impl Cell {
         let (asked, pid) = self.with(|state| (std::mem::take(&mut state.asked), state.pid));
         let known = self.with_known(std::mem::take);
         let left = self.setup.boxes.end(&self.name);
+        let dump = self.with(|state| state.dump.taken());
         let in_order = matches!(end, End::Exited(0) | End::NotStarted(_));
         if asked || in_order || self.is_stopping() {
             return asked;
@@ -77,9 +83,10 @@ impl Cell {
             let boxes = &setup.boxes;
             let left = left.filter(|_| boxes.is_for_crashes());
             let more = |directory: &Path, report: &mut CrashReport| {
-                let name = &report.crash.name;
-                let put = |left| boxes.put_beside(directory, &cell, name, (&ended, left));
+                let name = report.crash.name.clone();
+                let put = |left| boxes.put_beside(directory, &cell, &name, (&ended, left));
                 report.blackbox = left.map(put);
+                report.minidump = dump.map(|dump| keep_dump(directory, &name, dump));
             };
             match setup.reports.write(seen, more) {
                 Ok(Crash { name: report, end, codel, .. }) => {
@@ -98,5 +105,17 @@ impl Cell {
         if noted.is_ok_and(|found| found.len() > 0) {
             self.report(&End::Unknown);
         }
+    }
+}
+
+/// Puts a minidump into the directory of a report; where it is then, or why it is not.
+fn keep_dump(directory: &Path, report: &str, dump: Result<Vec<u8>, DumpError>) -> String {
+    let kept = dump.map_err(|error| error.to_string()).and_then(|bytes| {
+        let kept = create(&directory.join(MINIDUMP)).and_then(|mut file| file.write_all(&bytes));
+        kept.map_err(|error| format!("not written: {error}"))
+    });
+    match kept {
+        Ok(()) => directory.with_file_name(report).join(MINIDUMP).display().to_string(),
+        Err(why) => why,
     }
 }

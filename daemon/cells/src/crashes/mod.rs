@@ -5,9 +5,11 @@
 //! from the libraries' symbols (`images`), and keeps it all in a directory of its own (`store`).
 //! Nothing waits for it: the cell is started again meanwhile.
 
+mod dump;
 mod images;
 mod known;
 mod memory;
+mod names;
 mod note;
 mod store;
 
@@ -22,6 +24,7 @@ use rustix::process::Signal;
 
 use crate::end::End;
 use crate::shelf::date;
+pub(crate) use dump::{Dump, DumpError};
 use images::Images;
 pub(crate) use known::{Known, learn};
 use memory::Shortage;
@@ -33,6 +36,8 @@ pub use store::StoreError;
 #[derive(Debug)]
 pub struct Reports {
     store: Store,
+    /// Whether cells leave core dumps.
+    core: bool,
     shortage: Shortage,
     socket: PathBuf,
 }
@@ -50,7 +55,7 @@ impl Reports {
     #[must_use]
     pub fn new(section: &CrashesSection, socket: &Path) -> Self {
         let shortage = Shortage::new();
-        Self { store: Store::new(section), shortage, socket: socket.to_owned() }
+        Self { store: Store::new(section), core: section.core, shortage, socket: socket.to_owned() }
     }
 
     /// All that are kept.
@@ -106,6 +111,8 @@ impl Reports {
                 components,
                 fault: None,
                 blackbox: None,
+                minidump: None,
+                core: core(end, self.core),
                 log: known.log(),
             },
             note: note.map(|note| {
@@ -155,6 +162,38 @@ impl Reports {
     }
 }
 
+/// Where the core dump of a process is that a signal ended, if it was to leave one: the system
+/// decides.
+fn core(end: &End, wanted: bool) -> Option<String> {
+    let End::Signal(signal) = end else { return None };
+    let dumps = [
+        Signal::QUIT,
+        Signal::ILL,
+        Signal::TRAP,
+        Signal::ABORT,
+        Signal::BUS,
+        Signal::FPE,
+        Signal::SEGV,
+        Signal::XCPU,
+        Signal::XFSZ,
+        Signal::SYS,
+    ];
+    if !wanted || !dumps.iter().any(|one| one.as_raw() == *signal) {
+        return None;
+    }
+    let pattern = fs::read_to_string("/proc/sys/kernel/core_pattern").unwrap_or_default();
+    let directory = std::env::current_dir().unwrap_or_default();
+    Some(core_place(pattern.trim(), &directory))
+}
+
+fn core_place(pattern: &str, directory: &Path) -> String {
+    match pattern.strip_prefix('|') {
+        Some(program) => format!("given to `{program}`, as core_pattern says"),
+        None if pattern.starts_with('/') => format!("`{pattern}`, as core_pattern says"),
+        None => format!("`{pattern}` in {}, as core_pattern says", directory.display()),
+    }
+}
+
 /// The note of a process that has ended, removed: the next process writes its own.
 fn take(path: &Path) -> Vec<u8> {
     let mut raw = Vec::new();
@@ -179,6 +218,16 @@ mod tests {
     fn the_codel_is_the_one_that_the_process_named() {
         assert_eq!(codel("codel `go` of /opt/a.so"), Some("go"));
         assert_eq!(codel("a constructor of /opt/a.so"), None);
+    }
+
+    #[test]
+    fn where_a_core_dump_is_is_what_the_system_says() {
+        let place = |pattern| core_place(pattern, Path::new("/robot"));
+        assert_eq!(place("core.%p"), "`core.%p` in /robot, as core_pattern says");
+        assert_eq!(place("/var/core/%e"), "`/var/core/%e`, as core_pattern says");
+        assert_eq!(place("|/bin/coredump %P"), "given to `/bin/coredump %P`, as core_pattern says");
+        assert!(core(&End::Signal(11), false).is_none() && core(&End::Exited(1), true).is_none());
+        assert!(core(&End::Signal(9), true).is_none() && core(&End::Signal(11), true).is_some());
     }
 
     #[test]

@@ -147,7 +147,7 @@ mod tests {
 
     fn store(directory: &Path, most: usize, most_bytes: u64) -> Store {
         let directory = Some(directory.to_owned());
-        Store::new(&CrashesSection { directory, most, most_bytes, core: false })
+        Store::new(&CrashesSection { directory, most, most_bytes, ..CrashesSection::default() })
     }
 
     fn found(store: &Store) -> Vec<String> {

@@ -39,6 +39,10 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
 
 fn render(reply: &ComponentReload) -> String {
     let mut text = format!("{} runs {} now\n", reply.component, reply.library.display());
+    if reply.restarted {
+        text.push_str("it was stopped and started again: its description is another one, or it has native data\n");
+    }
+    reply.notes.iter().for_each(|note| text.push_str(&format!("{note}\n")));
     if reply.old_stays {
         text.push_str("the library before it stays in memory: something may still use it\n");
     }

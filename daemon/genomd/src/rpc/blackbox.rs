@@ -16,16 +16,10 @@ use tokio::sync::mpsc;
 use tokio_stream::StreamExt as _;
 use tokio_stream::wrappers::ReceiverStream;
 
-/// Maximum number of batches that wait to be sent.
 const WAITING: usize = 4;
 
 /// How the black box is, and which files it wrote.
-#[utoipa::path(
-    get,
-    path = "/blackbox",
-    tag = "recordings",
-    responses((status = 200, body = BlackBox))
-)]
+#[utoipa::path(get, path = "/blackbox", tag = "recordings", responses((status = 200, body = BlackBox)))]
 pub(crate) async fn look(
     State(boxes): State<Arc<BlackBoxes>>,
     State(supervisor): State<Arc<Supervisor>>,

@@ -204,8 +204,12 @@ fn not_reloaded(error: &ReloadError) -> RpcError {
         ReloadError::Busy(_) => RpcError::conflict(Code::Reloading, message),
         ReloadError::Load(error) => refused(error),
         ReloadError::NoRest(NoRest::HeldUp(error)) => return held_up(error),
-        ReloadError::NoRest(NoRest::NoPause { .. }) => {
+        ReloadError::NoRest(NoRest::NoPause { .. }) | ReloadError::Freeze(_) => {
             RpcError::new(StatusCode::SERVICE_UNAVAILABLE, Code::HeldUp, message)
+        }
+        ReloadError::Unload(_) | ReloadError::Lost { .. } => {
+            return RpcError::new(StatusCode::SERVICE_UNAVAILABLE, Code::LeftBehind, message)
+                .help("`genomctl list` tells what runs; `genomctl load` loads it again");
         }
         ReloadError::NoRest(NoRest::Stops { .. }) => RpcError::conflict(Code::Unloading, message),
         _ => RpcError::new(StatusCode::UNPROCESSABLE_ENTITY, Code::NotLoadable, message)

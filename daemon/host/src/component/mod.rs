@@ -30,7 +30,7 @@ use genom_types::Record;
 use serde_json::Value;
 
 use crate::contract;
-use crate::library::Library;
+use crate::library::{Contents, Library};
 use inner::Inner;
 use parts::Parts;
 use types::Checker;
@@ -100,6 +100,13 @@ impl Component {
     /// Sets its name in the report of a crash; the first one counts.
     pub fn name_it(&self, instance: &str) {
         let _ = self.inner.instance.set(instance.to_owned());
+    }
+
+    /// What its library was loaded from, whatever the file holds by now; `None` if no copy of it was
+    /// kept.
+    #[must_use]
+    pub fn contents(&self) -> Option<Contents> {
+        self.inner.code.get().library.contents()
     }
 
     /// The library file, by the path it was requested with.

@@ -48,7 +48,7 @@ pub(crate) enum FoundFunction {
 pub struct Library {
     // Declared first: the library is unmapped before its copy is removed.
     handle: Handle,
-    _copy: Option<PrivateCopy>,
+    copy: Option<PrivateCopy>,
     path: PathBuf,
     bytes: Vec<u8>,
     /// Its own segments, without those of libraries that it needs.
@@ -124,7 +124,13 @@ impl Library {
         let Contents { path, bytes } = contents;
         let mappings = handle.place(&elf::segments(&bytes));
         let finishers = elf::finishers(&bytes);
-        Self { handle, _copy: copy, path, bytes, mappings, finishers }
+        Self { handle, copy: copy, path, bytes, mappings, finishers }
+    }
+
+    /// What was loaded, whatever the file holds by now; `None` if the copy is gone.
+    pub(crate) fn contents(&self) -> Option<Contents> {
+        let bytes = std::fs::read(self.copy.as_ref()?.path()).ok()?;
+        Some(Contents { path: self.path.clone(), bytes })
     }
 
     /// The requested path, not that of the copy.
@@ -226,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn where_the_temporary_directory_runs_nothing_the_copy_is_made_beside_the_library() {
+    fn where_the_temporary_directory_runs_nothing_thecopy_is_made_beside_the_library() {
         let scratch = tempfile::tempdir().unwrap();
         let (source, path) = (scratch.path().join("f.c"), scratch.path().join("demo.so"));
         std::fs::write(&source, "int f(void) { return 1; }").unwrap();

@@ -1,12 +1,15 @@
 //! What a component runs.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use genom_configuration::LoadRequest;
 use genom_host::Digest;
 
+use crate::known::{Description, Reading};
+
 /// What a component runs.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Build {
     /// The request by which it was loaded; names the library that was loaded last.
     pub request: LoadRequest,
@@ -14,6 +17,8 @@ pub struct Build {
     pub library: PathBuf,
     /// Identifies the content of that file.
     pub digest: Digest,
-    /// File of the description, unless that is in the library.
-    pub description: Option<PathBuf>,
+    /// Where the description is.
+    pub description: Description,
+    /// The description as it was read.
+    pub reading: Arc<Reading>,
 }

@@ -1,14 +1,37 @@
 //! What a running component is built of, and how that is exchanged.
 
 use std::path::PathBuf;
-use std::sync::{MutexGuard, PoisonError, TryLockError};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 
-use genom_host::{CannotExchange, Component};
+use genom_host::{CannotExchange, Component, Contents};
 use genom_runtime::{NoRest, Rest};
 
 use super::build::Build;
 use super::hosted::Hosted;
+
+/// Taken by who exchanges the library of a component.
+#[derive(Debug, Default)]
+pub struct Turn(AtomicBool);
+
+/// Has the turn until it is dropped.
+#[derive(Debug)]
+pub struct Taken<'a>(&'a Turn);
+
+impl Turn {
+    /// Takes it; `None` while somebody else has it.
+    #[must_use]
+    pub fn begin(&self) -> Option<Taken<'_>> {
+        (!self.0.swap(true, Ordering::AcqRel)).then_some(Taken(self))
+    }
+}
+
+impl Drop for Taken<'_> {
+    fn drop(&mut self) {
+        self.0.0.store(false, Ordering::Release);
+    }
+}
 
 impl Hosted {
     /// What it runs.
@@ -21,13 +44,14 @@ impl Hosted {
         self.build().library
     }
 
-    /// Locks out other exchanges of its library; `None` while there is one.
-    pub fn reloading(&self) -> Option<MutexGuard<'_, ()>> {
-        match self.reloading.try_lock() {
-            Ok(turn) => Some(turn),
-            Err(TryLockError::Poisoned(poisoned)) => Some(poisoned.into_inner()),
-            Err(TryLockError::WouldBlock) => None,
-        }
+    /// Whether its library is being exchanged.
+    pub fn is_reloading(&self) -> Arc<Turn> {
+        Arc::clone(&self.reloading)
+    }
+
+    /// What its library was loaded from, whatever the file holds by now.
+    pub(crate) fn contents(&self) -> Option<Contents> {
+        self.component.contents()
     }
 
     /// Runs the code of `other` from now on, with the memory that it has. Waits, at most for

@@ -20,6 +20,7 @@ use serde_json::Value;
 
 use super::activities::{Activity, ActivityLog};
 use super::build::Build;
+use super::exchange::Turn;
 use super::guard::Guard;
 use super::input::{Asked, InputError};
 use super::prepared::Prepared;
@@ -64,8 +65,8 @@ pub struct Hosted {
     pub(super) build: Mutex<Build>,
     /// Its code and memory.
     pub(super) component: Arc<Component>,
-    /// Locked while its library is exchanged.
-    pub(super) reloading: Mutex<()>,
+    /// Whether its library is being exchanged.
+    pub(super) reloading: Arc<Turn>,
     /// Its activities: running, and recently ended.
     pub activities: Arc<ActivityLog>,
     /// The connections of its ports and remotes.
@@ -143,7 +144,7 @@ impl Hosted {
             name,
             build: Mutex::new(build),
             component,
-            reloading: Mutex::default(),
+            reloading: Arc::default(),
             activities,
             ties,
             standing,

@@ -11,6 +11,7 @@ pub use apply::ApplyError;
 pub use error::{MoveError, StepError};
 pub use step::Step;
 pub use steps::{Contradiction, Steps};
+pub(crate) use undo::Gone;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -31,15 +31,16 @@ pub(super) enum Undo {
 }
 
 /// A component that was taken down, as it was.
-pub(super) struct Gone {
-    request: LoadRequest,
+pub(crate) struct Gone {
+    /// The request that loads it.
+    pub(crate) request: LoadRequest,
     connections: Vec<ConnectionEntry>,
     /// Services whose activities were running.
     interrupted: Vec<String>,
 }
 
 impl Gone {
-    pub(super) fn of(hosted: &Hosted) -> Self {
+    pub(crate) fn of(hosted: &Hosted) -> Self {
         let running = hosted.activities.all().into_iter();
         let running = running.filter(|activity| activity.outcome().is_none());
         Self {
@@ -47,6 +48,15 @@ impl Gone {
             connections: entries(hosted),
             interrupted: running.map(|activity| activity.service.clone()).collect(),
         }
+    }
+
+    /// Makes its connections again. Returns those that could not be made, with the reason.
+    pub(crate) fn connect(&self, supervisor: &Supervisor) -> Vec<String> {
+        let failed = self.connections.iter().filter_map(|entry| {
+            let failed = make_anyway(&supervisor.connections, entry).err();
+            failed.map(|error| format!("{entry}: {}", error.sentence()))
+        });
+        failed.collect()
     }
 
     /// Loads it as it was, in place of a component that has its name now. Returns what could not be
@@ -61,10 +71,7 @@ impl Gone {
         if let Err(error) = supervisor.load(&self.request) {
             return vec![format!("{name} does not run: {error}")];
         }
-        let connected = self.connections.iter().filter_map(|entry| {
-            let failed = make_anyway(&supervisor.connections, entry).err();
-            failed.map(|error| format!("{entry}: {}", error.sentence()))
-        });
+        let connected = self.connect(supervisor).into_iter();
         let stopped =
             self.interrupted.iter().map(|service| format!("{name}/{service} was interrupted"));
         connected.chain(stopped).collect()

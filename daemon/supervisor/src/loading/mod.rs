@@ -5,6 +5,7 @@ pub(crate) mod built;
 mod error;
 pub(crate) mod locate;
 mod reactions;
+mod source;
 mod standard;
 mod start;
 mod supervision;
@@ -19,6 +20,7 @@ use genom_nearest::suggest;
 
 use self::locate::Located;
 use self::standard::unload_killed;
+use crate::bus::Change;
 use crate::components::request::{self, RequestError};
 use crate::components::{Build, Hosted};
 use crate::known::Reading;
@@ -27,6 +29,7 @@ use crate::supervisor::Supervisor;
 pub use built::text as date_in_utc;
 pub use error::LoadError;
 pub use reactions::{IdleReaction, check_reactions};
+pub(crate) use source::Source;
 pub use supervision::NoSuchRule;
 
 impl Supervisor {
@@ -36,10 +39,19 @@ impl Supervisor {
     /// # Errors
     /// A step failed; everything done for the component was undone.
     pub fn load(self: &Arc<Self>, request: &LoadRequest) -> Result<Arc<Hosted>, LoadError> {
+        self.load_from(request, Source::find(self, request)?)
+    }
+
+    /// Loads a component from what was found, and perhaps opened, before.
+    pub(crate) fn load_from(
+        self: &Arc<Self>,
+        request: &LoadRequest,
+        source: Source,
+    ) -> Result<Arc<Hosted>, LoadError> {
         if self.stopping() {
             return Err(LoadError::Stopping);
         }
-        let hosted = bring_up(self, request)?;
+        let hosted = bring_up(self, request, source)?;
         if let Err((service, RequestError { key, why })) = set_attributes(&hosted, request) {
             let name = hosted.name.clone();
             drop(hosted);
@@ -59,6 +71,14 @@ impl Supervisor {
             return Err(LoadError::Attribute { name, key, why });
         }
         self.runs(&hosted);
+        if request.instead.is_some() && request.resume.is_some() {
+            let component = hosted.name.clone();
+            tracing::warn!(
+                instance = component,
+                "the process ended soon after a reload: it runs what it ran before"
+            );
+            self.bus.tell(&Change::ComponentRolledBack { component });
+        }
         for note in &hosted.notes {
             tracing::warn!(instance = hosted.name, "{note}");
         }
@@ -82,14 +102,16 @@ fn set_attributes(hosted: &Hosted, request: &LoadRequest) -> Result<(), (String,
     Ok(())
 }
 
-fn bring_up(supervisor: &Arc<Supervisor>, request: &LoadRequest) -> Result<Arc<Hosted>, LoadError> {
+fn bring_up(
+    supervisor: &Arc<Supervisor>,
+    request: &LoadRequest,
+    source: Source,
+) -> Result<Arc<Hosted>, LoadError> {
     let named = request.backend.iter().chain(request.ports.values());
     for backend in named.flat_map(BackendNames::names) {
         supervisor.backends.get(backend)?;
     }
-    let mut located = locate::locate(request, &supervisor.settings.path)?;
-    let reading = supervisor.known.read(&located.description, &supervisor.settings.include)?;
-    tell_warnings(&located, &reading);
+    let Source { mut located, reading, opened } = source;
     let model = reading.model();
     let name = request.name.clone().unwrap_or_else(|| model.name.clone());
     if !is_name(&name) {
@@ -105,14 +127,17 @@ fn bring_up(supervisor: &Arc<Supervisor>, request: &LoadRequest) -> Result<Arc<H
         let name = one.name.to_string();
         masquerades.extend(supervisor.backends.masquerade(&one.template, &name, &one.data)?);
     }
-    let (component, digest) = open(&mut located, &reading)?;
+    let opened = match opened {
+        Some(opened) => opened,
+        None => open(&mut located, &reading)?,
+    };
+    let (component, digest) = opened;
     component.name_it(&name);
     let plan = Arc::clone(&reading.plan);
-    drop(reading);
     // Absolute, because a dump may be read in another directory.
     let library = std::path::absolute(&located.library).unwrap_or(located.library);
-    let description = located.description.file();
-    let build = Build { request: request.clone(), library, digest, description };
+    let (request, description) = (request.clone(), located.description);
+    let build = Build { request, library, digest, description, reading };
     let hosted = start::start(supervisor, name, build, plan, component)?;
     hosted.ties.wear(masquerades);
     reservation.keep(Arc::clone(&hosted));
@@ -175,7 +200,11 @@ pub(crate) fn tell_warnings(located: &Located, reading: &Reading) {
 }
 
 /// Fails if the request mentions a port, task or service that the component does not have.
-fn check_names(request: &LoadRequest, model: &Model, instance: &str) -> Result<(), LoadError> {
+pub(crate) fn check_names(
+    request: &LoadRequest,
+    model: &Model,
+    instance: &str,
+) -> Result<(), LoadError> {
     let check = |what, typed: &str, known: Vec<&str>| {
         if known.contains(&typed) {
             return Ok(());

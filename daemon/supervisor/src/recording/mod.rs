@@ -289,3 +289,25 @@ impl Call {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use genom_types::{Kind, ScopedName, TypeTable};
+
+    use super::*;
+
+    #[test]
+    fn a_port_that_cannot_be_recorded_is_told_once() {
+        let mut table = TypeTable::default();
+        let native = table.add(Kind::Native { name: ScopedName::new(["demo", "handle"]) });
+        let ty = DataType::new(&Arc::new(table), native).unwrap();
+        let recordings = Recordings::default();
+        let session = recordings.start(Vec::new());
+        let at = Address::new("demo", "handle");
+        for _ in 0..3 {
+            recordings.opened(&at, PortDirection::Out, None, &ty, &Tapes::default());
+        }
+        let told = recordings.told.lock().unwrap();
+        assert_eq!((told.len(), session.new.lock().unwrap().len()), (1, 0));
+    }
+}

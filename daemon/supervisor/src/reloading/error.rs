@@ -3,7 +3,8 @@
 use genom_host::CannotExchange;
 use genom_runtime::NoRest;
 
-use crate::known::ReadError;
+use crate::components::FreezeError;
+use crate::components::UnloadError;
 use crate::loading::LoadError;
 
 /// Why the library of a component was not exchanged. It goes on as before.
@@ -25,25 +26,27 @@ pub enum ReloadError {
          load`"
     )]
     OtherComponent { name: String, runs: String, found: String },
-    /// The description changed.
-    #[error("the description of {name} changed: unload it, and load it again")]
-    Description { name: String },
-    /// What a native type of the IDS points to is known to codels only.
+    /// A port that is connected is gone, or another one.
     #[error(
-        "{name} has native data ({native}), which only its library knows: unload it, and load it \
-         again"
+        "port {name}/{port} is connected ({peer}), and the new description has {found}: disconnect it first"
     )]
-    Native { name: String, native: String },
+    Port { name: String, port: String, peer: String, found: &'static str },
+    /// Its state cannot be taken.
+    #[error(transparent)]
+    Freeze(#[from] FreezeError),
+    /// It does not stop.
+    #[error(transparent)]
+    Unload(#[from] UnloadError),
+    /// The new one did not start; the one before runs again.
+    #[error("{why}; it runs again as it was before")]
+    RolledBack { why: LoadError },
+    /// Neither did the one before.
+    #[error("{why}; and {name} does not run any more: {again}")]
+    Lost { name: String, why: LoadError, again: LoadError },
     /// There was no moment at which no codel ran and all activities were at a pause.
     #[error(transparent)]
     NoRest(#[from] NoRest),
     /// The two do not have the same memory.
     #[error(transparent)]
     Exchange(#[from] CannotExchange),
-}
-
-impl From<ReadError> for ReloadError {
-    fn from(error: ReadError) -> Self {
-        Self::Load(error.into())
-    }
 }

@@ -2,25 +2,32 @@
 //!
 //! All that can fail or take long is done beside the component: the new library is copied, opened
 //! and compared with the description as at a load. Then the code is exchanged at a moment when no
-//! codel runs and each activity is at a pause; the memory stays where it is. The library that ran
+//! codel runs and each activity is at a pause; the memory stays where it is. If the description is
+//! another one, the component is stopped, and the new one starts where it was. The library that ran
 //! before is closed by the rule of all libraries, when nothing can be in its code any more.
 
 mod error;
 mod native;
+mod restart;
+mod trial;
 mod watch;
 
+use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
 use genom_host::Component;
-use genom_protocol::{ComponentReload, ReloadRequest};
+use genom_protocol::{ComponentReload, LoadRequest, ReloadRequest};
 
 use crate::bus::Change;
 use crate::components::{Build, Hosted};
 use crate::loading::locate::LocateError;
-use crate::loading::{LoadError, built, locate, open, tell_warnings};
+use crate::loading::{LoadError, Source, built, locate, open};
 use crate::supervisor::Supervisor;
+use trial::Trial;
+
 pub use error::ReloadError;
+pub use trial::roll_back;
 
 /// How long to wait for a moment of rest.
 const REST: Duration = Duration::from_secs(5);
@@ -30,14 +37,21 @@ const LOOKS: u32 = 20;
 /// Pause between two looks.
 const LOOK: Duration = Duration::from_millis(20);
 
+/// What a component is to run from now on.
+struct Found {
+    request: LoadRequest,
+    source: Source,
+}
+
 impl Supervisor {
     /// Exchanges the library of a running component. Blocks for file access, and until no codel
     /// runs.
     ///
     /// # Errors
-    /// The library does not fit, or a codel does not return. The component goes on as before.
+    /// The library does not fit, or a codel does not return. The component goes on as before, unless
+    /// the error says otherwise.
     pub fn reload(
-        &self,
+        self: &Arc<Self>,
         name: &str,
         asked: &ReloadRequest,
     ) -> Result<ComponentReload, ReloadError> {
@@ -46,64 +60,77 @@ impl Supervisor {
         }
         let hosted = self.components.get(name);
         let hosted = hosted.ok_or_else(|| ReloadError::NotThere(name.to_owned()))?;
-        let turn = hosted.reloading();
-        if turn.is_none() {
+        let busy = hosted.is_reloading();
+        let Some(_turn) = busy.begin() else {
             return Err(ReloadError::Busy(name.to_owned()));
+        };
+        let mut found = self.find(&hosted, asked)?;
+        let located = &found.source.located;
+        let library = std::path::absolute(&located.library).unwrap_or(located.library.clone());
+        let (model, specification) =
+            (found.source.reading.model(), found.source.reading.plan.specification());
+        let same = specification.fingerprint == hosted.specification().fingerprint;
+        let native = native::inside(model, &specification.types);
+        let mut reload = ComponentReload {
+            component: name.to_owned(),
+            library: library.clone(),
+            restarted: !same || native.is_some(),
+            notes: Vec::new(),
+            old_stays: false,
+        };
+        if reload.restarted {
+            reload.notes = self.restart(hosted, found)?;
+            let native = native.filter(|_| same);
+            reload.notes.extend(native.map(|native| {
+                format!("native data ({native}) is what the start codels made of it")
+            }));
+        } else if let Some((new, digest)) = found.source.opened.take() {
+            let Found { request, source: Source { located, reading, .. } } = found;
+            let (date, description) = (built::date(&library), located.description);
+            let build = Build { request, library, digest, description, reading };
+            let trial = Trial::begin(self, &hosted);
+            hosted.exchange(&new, build, date, REST)??;
+            if let Some(trial) = trial {
+                trial.watch(&hosted);
+            }
+            reload.old_stays = !close(new);
         }
-        let (new, build) = self.prepare(&hosted, asked)?;
-        let (library, date) = (build.library.clone(), built::date(&build.library));
-        hosted.exchange(&new, build, date, REST)??;
-        drop(turn);
-        tracing::info!(instance = name, "runs {} now", library.display());
-        let path = library.display().to_string();
+        let path = reload.library.display().to_string();
+        tracing::info!(instance = name, "runs {path} now");
+        reload.notes.iter().for_each(|note| tracing::warn!(instance = name, "{note}"));
         self.bus.tell(&Change::ComponentReloaded { component: name.to_owned(), library: path });
-        let old_stays = !close(new);
-        Ok(ComponentReload { component: name.to_owned(), library, old_stays })
+        Ok(reload)
     }
 
-    /// Opens and checks the new library beside the component.
-    fn prepare(
-        &self,
-        hosted: &Hosted,
-        asked: &ReloadRequest,
-    ) -> Result<(Component, Build), ReloadError> {
-        let name = || hosted.name.clone();
+    /// Finds, opens and checks the new library beside the component.
+    fn find(&self, hosted: &Hosted, asked: &ReloadRequest) -> Result<Found, ReloadError> {
         let Build { mut request, description, .. } = hosted.build();
+        request.instead = None;
         if let Some(library) = &asked.library {
             request.library.clone_from(library);
         }
         if asked.gen_file.is_some() {
             request.gen_file.clone_from(&asked.gen_file);
         }
-        let find = |request: &_| locate::locate(request, &self.settings.path);
-        let mut located = match find(&request) {
+        let locate = |request: &_| locate::locate(request, &self.settings.path);
+        let located = match (locate(&request), description.file()) {
             // A library without a description of its own: it is to fit the present one.
-            Err(LocateError::NoDescription { .. }) if description.is_some() => {
-                request.gen_file = description;
-                find(&request)
+            (Err(LocateError::NoDescription { .. }), Some(description)) => {
+                request.gen_file = Some(description);
+                locate(&request)
             }
-            located => located,
-        }
-        .map_err(LoadError::from)?;
-        let reading = self.known.read(&located.description, &self.settings.include)?;
-        tell_warnings(&located, &reading);
-        let (old, new) = (hosted.model(), reading.model());
+            (located, _) => located,
+        };
+        let mut source = Source::of(self, located.map_err(LoadError::from)?)?;
+        let (old, new) = (hosted.model(), source.reading.model());
         if old.name != new.name {
-            let (runs, found) = (old.name.clone(), new.name.clone());
-            return Err(ReloadError::OtherComponent { name: name(), runs, found });
+            let (name, runs, found) = (hosted.name.clone(), old.name.clone(), new.name.clone());
+            return Err(ReloadError::OtherComponent { name, runs, found });
         }
-        let (component, digest) = open(&mut located, &reading)?;
+        let (component, digest) = open(&mut source.located, &source.reading)?;
         component.name_it(&hosted.name);
-        let specification = reading.plan.specification();
-        if specification.fingerprint != hosted.specification().fingerprint {
-            return Err(ReloadError::Description { name: name() });
-        }
-        if let Some(native) = native::inside(new, &specification.types) {
-            return Err(ReloadError::Native { name: name(), native });
-        }
-        let library = std::path::absolute(&located.library).unwrap_or(located.library);
-        let description = located.description.file();
-        Ok((component, Build { request, library, digest, description }))
+        source.opened = Some((component, digest));
+        Ok(Found { request, source })
     }
 }
 

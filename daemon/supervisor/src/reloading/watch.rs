@@ -81,8 +81,10 @@ impl Watch {
 
     fn look_at(&mut self, supervisor: &Arc<Supervisor>, hosted: &Hosted) {
         let build = hosted.build();
-        let now = (stamp(&build.library), build.description.as_deref().and_then(stamp));
-        let new = || Watched { seen: now, done: None };
+        let now = (stamp(&build.library), build.description.file().as_deref().and_then(stamp));
+        // What was rolled back is not tried again before it changes.
+        let done = build.request.instead.is_some().then_some(now);
+        let new = || Watched { seen: now, done };
         let watched = self.0.entry(hosted.name.clone()).or_insert_with(new);
         let settled = std::mem::replace(&mut watched.seen, now) == now;
         if watched.done == Some(now) || !settled {

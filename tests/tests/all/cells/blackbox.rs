@@ -107,6 +107,26 @@ fn the_sample_of_the_tick_that_crashed_is_in_the_box() {
 }
 
 #[test]
+fn the_file_is_read_by_the_python_package_mcap() {
+    let daemon = boxed("");
+    load(&daemon, "falls", &["--cell", "arm"]);
+    let (_, file) = left(&daemon, |daemon| {
+        daemon.ctl(&["call", "falls", "fall", "at=20"]).expect_code(1);
+    });
+    let topics = crate::control_plane::recording::read(&file);
+    let ticks = topics["/falls/ticks"].as_array().unwrap();
+    assert_eq!(ticks.last().unwrap()[2], json!({"data": 20}));
+    let why = &topics["metadata"]["genom.blackbox"];
+    assert_eq!((&why["reason"], &why["cell"]), (&json!("crash"), &json!("arm")));
+    // Dates are those of recordings: of the clock on the wall, and the last before the file's.
+    let written: u64 = why["date_ns"].as_str().unwrap().parse().unwrap();
+    assert!(ticks.last().unwrap()[0].as_u64().unwrap() <= written);
+    assert_eq!(topics["metadata"]["genom.lost"]["complete"], "true");
+    assert_eq!(topics["attachments"], json!(["deployment.toml"]));
+    assert_eq!(topics["/genom/calls"][0][2]["service"], "fall");
+}
+
+#[test]
 fn samples_up_to_a_kill_are_in_the_box_and_dates_rise() {
     let daemon = boxed("");
     load(&daemon, "falls", &["--cell", "arm"]);
@@ -124,7 +144,7 @@ fn samples_up_to_a_kill_are_in_the_box_and_dates_rise() {
 }
 
 #[test]
-fn a_cell_in_a_sandbox_has_a_box_too() {
+fn a_cell_in_a_sandbox_has_a_box_and_a_report_with_its_backtrace() {
     let daemon = boxed("[cells.limits]\nnetwork = false\n");
     load(&daemon, "falls", &["--cell", "arm"]);
     let (report, file) = left(&daemon, |daemon| {
@@ -132,6 +152,15 @@ fn a_cell_in_a_sandbox_has_a_box_too() {
     });
     assert_eq!(read(&file).longs("/falls/ticks"), [1, 2, 3, 4, 5]);
     assert_eq!(report["codel"], "falls_tick");
+    let fault = &report["fault"];
+    assert_eq!((&fault["cut"], &fault["guessed"]), (&json!(false), &json!(false)));
+    let first = fault["frames"][0]["function"].as_str().unwrap_or_default();
+    assert!(first.starts_with("falls_tick+0x"), "{fault:#}");
+    let frames = fault["frames"].as_array().unwrap();
+    let own = |frame: &Value| {
+        frame["function"].as_str().is_some_and(|name| name.contains("genom_host::"))
+    };
+    assert!(frames.iter().any(own), "the daemon's functions have names of Rust: {fault:#}");
 }
 
 #[test]

@@ -256,3 +256,29 @@ fn cells_leave_core_dumps_only_where_they_are_asked_for() {
     let (soft, hard) = limit(&Home::new().configured("[crashes]\ncore = true\n").start(&[]));
     assert_eq!(soft, hard);
 }
+
+#[test]
+fn a_minidump_is_in_the_report_where_it_is_asked_for() {
+    let daemon = Home::new().configured("[crashes]\nminidump = true\n").start(&[]);
+    let mut events = daemon.events();
+    load(&daemon, "crashes", &["--name", "broken", "--cell", "arm"]);
+    daemon.ctl(&["call", "broken", "segfault"]).expect_code(1);
+    let told = events.wait_for(|e| e["event"] == "cell_crashed");
+    let report = daemon.json(&["crashes", told["report"].as_str().unwrap()]);
+    assert_eq!(report["fault"]["cut"], false);
+    let file = PathBuf::from(report["minidump"].as_str().unwrap());
+    assert_eq!(file.parent(), Some(&*place(daemon.home()).join(told["report"].as_str().unwrap())));
+    assert_eq!(std::fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
+    let bytes = std::fs::read(&file).unwrap_or_else(|error| panic!("{error}: {report:#}"));
+    // The signature of the format, and the thread that crashed among the names of threads.
+    assert_eq!(&bytes[..4], b"MDMP");
+    let name = report["fault"]["thread"].as_str().unwrap().split_once(' ').unwrap().1;
+    let wide: Vec<u8> = name.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    assert!(bytes.windows(wide.len()).any(|found| found == wide), "{name}");
+    // It comes back all the same, and one that is killed leaves none.
+    until("it is back", || daemon.ctl(&["info", "broken"]).code == Some(0));
+    signal(&daemon, "arm", "KILL");
+    let told = events.wait_for(|e| e["event"] == "cell_crashed");
+    let report = daemon.json(&["crashes", told["report"].as_str().unwrap()]);
+    assert_eq!(report["minidump"], Value::Null);
+}

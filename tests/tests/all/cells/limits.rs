@@ -220,7 +220,12 @@ fn a_cell_runs_on_its_processors_with_its_niceness() {
 #[test]
 fn a_limit_that_cannot_be_had_is_told_and_refused_where_that_is_wanted() {
     let daemon = limited("cpus = [1000]");
-    assert!(log(&daemon).contains("limits of this cell: cpus = [1000]"), "{}", log(&daemon));
+    let told = || log(&daemon).matches("limits of this cell: cpus = [1000]").count();
+    assert_eq!(told(), 1, "{}", log(&daemon));
+    // Not again at each start.
+    daemon.ctl(&["cells", "--restart", "trespasses"]).expect_code(0);
+    until("the next process has logged", || log(&daemon).matches("runs on shm").count() > 1);
+    assert_eq!(told(), 1, "{}", log(&daemon));
     let home = Home::new().configured("[cell.trespasses]\ncpus = [1000]\nstrict = true\n");
     let daemon = home.start(&[path(&component("demo").library)]);
     let library = component("trespasses").library;
@@ -229,6 +234,31 @@ fn a_limit_that_cannot_be_had_is_told_and_refused_where_that_is_wanted() {
     goes_on(&daemon);
     let home = Home::new().configured("[cell.trespasses]\nnice = 30\n");
     home.refused(&[]).expect_code(2).expect_err("cell.trespasses.nice = 30: -20 to 19");
+}
+
+#[test]
+fn a_cell_that_refuses_to_start_again_is_told_with_the_reason_and_starts_once_that_is_mended() {
+    let home = Home::new();
+    let maps = home.path().join("maps");
+    std::fs::create_dir(&maps).unwrap();
+    let limits = format!("[cell.trespasses]\nread = [{maps:?}]\nstrict = true\n");
+    let daemon = home.configured(&limits).start(&[path(&component("demo").library)]);
+    load(&daemon, "trespasses", &["--isolated"]);
+    let mut events = daemon.events();
+    std::fs::remove_dir(&maps).unwrap();
+    super::signal(&daemon, "trespasses", "KILL");
+    events.wait_for(|e| e["event"] == "cell_ended" && e["restarts"] == true);
+    let ended = events.wait_for(|e| e["event"] == "cell_ended");
+    let why = ended["why"].as_str().unwrap();
+    assert!(why.starts_with("refused: ") && why.contains(path(&maps)), "{why}");
+    // It would refuse again.
+    assert_eq!(ended["restarts"], false);
+    assert_eq!(cell(&daemon, "trespasses")["state"], "failed");
+    goes_on(&daemon);
+    std::fs::create_dir(&maps).unwrap();
+    daemon.ctl(&["cells", "--restart", "trespasses"]).expect_code(0);
+    assert_eq!(cell(&daemon, "trespasses")["state"], "running");
+    assert_eq!(cell(&daemon, "trespasses")["components"], json!(["trespasses"]));
 }
 
 #[test]

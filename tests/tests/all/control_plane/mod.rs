@@ -14,7 +14,7 @@ mod protocol;
 mod publish;
 mod python_client;
 mod ready;
-mod recording;
+pub(crate) mod recording;
 mod stepped;
 mod streams;
 mod telemetry;

@@ -46,7 +46,7 @@ fn counted(summary: &Value, topic: &str) -> (u64, u64) {
 
 /// The file as the Python packages `mcap` and `mcap-ros2-support` read it: for each topic, a list
 /// of `[date, number, message]`.
-fn read(file: &Path) -> Value {
+pub(crate) fn read(file: &Path) -> Value {
     const SCRIPT: &str = r#"
 import json, sys
 from mcap.reader import make_reader

@@ -1,8 +1,10 @@
 //! The library of a running component is exchanged, in the daemon's own process and in a cell.
 
+mod described;
 mod growth;
 mod kept;
 mod refused;
+mod trial;
 mod watched;
 
 use std::fs;

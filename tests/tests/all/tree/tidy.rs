@@ -141,7 +141,7 @@ const FLOORS: &[(&str, &str)] = &[
     (
         "supervisor",
         "outcome flag known limits settings waiting bus reactor spans recording ties components connections \
-         vigil supervisor loading reloading deploy lib",
+         vigil supervisor loading deploy reloading lib",
     ),
     (
         "doors",
