@@ -168,6 +168,7 @@ fn fifty_components_are_frozen_and_thawed() {
     let made = tempfile::tempdir().unwrap();
     let text = Many { components: 50, chained: true, cells: 0 }.configuration("local", made.path());
     let first = Home::new().configured(&text).start(&[]);
+    first.ctl(&["wait-ready", "--deployed"]).expect_code(0);
     let (text, told) = freeze(&first);
     assert!(told.contains(": 50 components, "), "{told}");
     first.stop("TERM").0.expect_code(0);
