@@ -88,6 +88,9 @@ pub struct FrozenPort {
     pub value: Record,
 }
 
+/// Changes the IDS, once.
+pub type ChangeIds = Box<dyn FnOnce(&mut Record) + Send>;
+
 /// Where an instance is to go on.
 ///
 /// Start codels run as at every start, since they open what only the process has: devices, memory of
@@ -96,7 +99,7 @@ pub struct FrozenPort {
 /// interrupts another one, since both was done when they were accepted.
 pub struct Resume {
     /// Changes the IDS, from what start codels made of them.
-    pub ids: Option<Box<dyn FnOnce(&mut Record) + Send>>,
+    pub ids: Option<ChangeIds>,
     /// Last values of ports. Those of in ports are put back only after [`hold`](Self::hold), since a
     /// new connection has no value before the first that is read.
     pub ports: Vec<FrozenPort>,

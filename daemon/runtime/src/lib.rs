@@ -56,7 +56,9 @@ pub use clock::{Clock, VirtualClock, nanos};
 pub use engine::{ActivityStatus, NoSuchActivity};
 pub use executor::Executor;
 pub use freeze::FreezeError;
-pub use frozen::{Frozen, FrozenActivity, FrozenPort, FrozenToken, Resume, Resumed, Waiting};
+pub use frozen::{
+    ChangeIds, Frozen, FrozenActivity, FrozenPort, FrozenToken, Resume, Resumed, Waiting,
+};
 pub use histogram::Durations;
 pub use instance::{Instance, NoSuchEvent};
 pub use options::{ACTIVITY_LIMIT, Execution, GiveUp, Options, STUCK_AFTER, TaskOptions};

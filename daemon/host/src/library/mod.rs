@@ -124,7 +124,7 @@ impl Library {
         let Contents { path, bytes } = contents;
         let mappings = handle.place(&elf::segments(&bytes));
         let finishers = elf::finishers(&bytes);
-        Self { handle, copy: copy, path, bytes, mappings, finishers }
+        Self { handle, copy, path, bytes, mappings, finishers }
     }
 
     /// What was loaded, whatever the file holds by now; `None` if the copy is gone.

@@ -1,7 +1,6 @@
 //! What a running component is built of, and how that is exchanged.
 
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 
@@ -10,28 +9,7 @@ use genom_runtime::{NoRest, Rest};
 
 use super::build::Build;
 use super::hosted::Hosted;
-
-/// Taken by who exchanges the library of a component.
-#[derive(Debug, Default)]
-pub struct Turn(AtomicBool);
-
-/// Has the turn until it is dropped.
-#[derive(Debug)]
-pub struct Taken<'a>(&'a Turn);
-
-impl Turn {
-    /// Takes it; `None` while somebody else has it.
-    #[must_use]
-    pub fn begin(&self) -> Option<Taken<'_>> {
-        (!self.0.swap(true, Ordering::AcqRel)).then_some(Taken(self))
-    }
-}
-
-impl Drop for Taken<'_> {
-    fn drop(&mut self) {
-        self.0.0.store(false, Ordering::Release);
-    }
-}
+use super::turn::Turn;
 
 impl Hosted {
     /// What it runs.

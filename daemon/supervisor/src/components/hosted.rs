@@ -20,13 +20,13 @@ use serde_json::Value;
 
 use super::activities::{Activity, ActivityLog};
 use super::build::Build;
-use super::exchange::Turn;
 use super::guard::Guard;
 use super::input::{Asked, InputError};
 use super::prepared::Prepared;
 use super::spins::{Spin, Spins, times_of};
 use super::standing::Standing;
 use super::tracked::{Tracked, resume};
+use super::turn::Turn;
 use super::watch::{BusWatcher, Follower};
 use crate::bus::Bus;
 use crate::flag::Flag;

@@ -20,6 +20,7 @@ mod standing;
 mod stop;
 mod supervised;
 mod tracked;
+mod turn;
 mod unload;
 mod watch;
 

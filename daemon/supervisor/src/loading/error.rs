@@ -66,7 +66,7 @@ pub enum LoadError {
     Supervision { name: String, source: Box<NoSuchRule> },
     /// The state to go on with is wrong.
     #[error("components.{name}.{source}")]
-    Resume { name: String, source: Unfit },
+    Resume { name: String, source: Box<Unfit> },
     /// A start codel failed (genom3.md 7.2).
     #[error("{name} does not start: {why}")]
     Start { name: String, why: String },

@@ -10,6 +10,7 @@ mod standard;
 mod start;
 mod supervision;
 mod undefined;
+mod warnings;
 
 use std::sync::Arc;
 
@@ -20,6 +21,7 @@ use genom_nearest::suggest;
 
 use self::locate::Located;
 use self::standard::unload_killed;
+use self::warnings::tell_warnings;
 use crate::bus::Change;
 use crate::components::request::{self, RequestError};
 use crate::components::{Build, Hosted};
@@ -190,12 +192,6 @@ fn explain(error: OpenError, reading: &Reading) -> LoadError {
     match undefined::defined_in(symbol, path, reading.path()) {
         None => error.into(),
         Some(file) => LoadError::LeftOut { path: path.clone(), symbol: symbol.clone(), file },
-    }
-}
-
-pub(crate) fn tell_warnings(located: &Located, reading: &Reading) {
-    if let Some(warnings) = &reading.warnings {
-        tracing::warn!("{}\n{warnings}", located.description.path().display());
     }
 }
 

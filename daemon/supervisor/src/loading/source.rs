@@ -7,7 +7,7 @@ use genom_host::{Component, Contents, Digest};
 
 use super::error::LoadError;
 use super::locate::{Located, locate};
-use super::tell_warnings;
+use super::warnings::tell_warnings;
 use crate::components::Build;
 use crate::known::Reading;
 use crate::supervisor::Supervisor;

@@ -33,7 +33,7 @@ pub(super) fn start(
                 tracing::error!(instance = name, "it starts anew: its copy does not fit: {why}");
                 None
             }
-            Err(source) => return Err(LoadError::Resume { name, source }),
+            Err(source) => return Err(LoadError::Resume { name, source: Box::new(source) }),
         },
     };
     build.request.resume = None;

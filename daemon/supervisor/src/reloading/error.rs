@@ -42,7 +42,7 @@ pub enum ReloadError {
     RolledBack { why: LoadError },
     /// Neither did the one before.
     #[error("{why}; and {name} does not run any more: {again}")]
-    Lost { name: String, why: LoadError, again: LoadError },
+    Lost { name: String, why: Box<LoadError>, again: Box<LoadError> },
     /// There was no moment at which no codel ran and all activities were at a pause.
     #[error(transparent)]
     NoRest(#[from] NoRest),

@@ -24,13 +24,11 @@ use crate::components::{Build, Hosted};
 use crate::loading::locate::LocateError;
 use crate::loading::{LoadError, Source, built, locate, open};
 use crate::supervisor::Supervisor;
-use trial::Trial;
+use trial::{REST, Trial};
 
 pub use error::ReloadError;
 pub use trial::roll_back;
 
-/// How long to wait for a moment of rest.
-const REST: Duration = Duration::from_secs(5);
 /// How often to look whether a thread is in the old library: addresses that it left on the stacks
 /// of tasks disappear when these go on.
 const LOOKS: u32 = 20;

@@ -6,8 +6,9 @@ use genom_description::model::{PortDirection, PortIx};
 use genom_middleware::Address;
 use genom_protocol::Resumption;
 
+use super::Found;
 use super::error::ReloadError;
-use super::{Found, REST};
+use super::trial::REST;
 use crate::components::Hosted;
 use crate::deploy::Gone;
 use crate::loading::{Source, check_names};
@@ -52,7 +53,9 @@ impl Supervisor {
                 gone.connect(self).iter().for_each(|lost| tracing::warn!("{lost}"));
                 Err(ReloadError::RolledBack { why })
             }
-            Err(again) => Err(ReloadError::Lost { name, why, again }),
+            Err(again) => {
+                Err(ReloadError::Lost { name, why: Box::new(why), again: Box::new(again) })
+            }
         }
     }
 

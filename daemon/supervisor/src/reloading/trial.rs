@@ -12,10 +12,11 @@ use std::time::{Duration, Instant};
 use genom_protocol::{LoadRequest, Resumption};
 use serde::{Deserialize, Serialize};
 
-use super::REST;
 use crate::components::Hosted;
 use crate::supervisor::Supervisor;
 
+/// How long to wait for a moment of rest.
+pub(super) const REST: Duration = Duration::from_secs(5);
 /// Ticks that each periodic task makes during a trial.
 const TICKS: u64 = 100;
 /// Bounds of a trial.

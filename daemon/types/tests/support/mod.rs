@@ -1,6 +1,7 @@
 //! Random types and random values of them, from a seed. Not a test by itself.
 
 #![allow(dead_code)] // each test uses a part of it
+#![allow(clippy::panic, reason = "a test")]
 
 use genom_types::{Kind, Label, Member, ScopedName, TypeId, TypeTable, UnionMember};
 use serde_json::{Map, Value, json};
@@ -135,7 +136,9 @@ impl Types<'_> {
             1 => (self.table.add(Kind::Char), vec![97, 98, -3]),
             2 => {
                 let id = self.color();
-                let Kind::Enum { enumerators, .. } = self.table.kind(id) else { panic!() };
+                let Kind::Enum { enumerators, .. } = self.table.kind(id) else {
+                    panic!("made above")
+                };
                 (id, (0..enumerators.len() as i128).collect())
             }
             _ => (self.table.add(Kind::Short), vec![-300, 0, 7, 12]),
