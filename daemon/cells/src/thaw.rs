@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use genom_protocol::freeze::{FORMAT, VERSION};
+use genom_protocol::freeze::{FORMAT, NotFrozen, VERSION};
 use genom_protocol::{
     Component, ConnectionEntry, ConnectionRequest, Frozen, LoadRequest, Resumption, Thawed,
     ThawedComponent, routes,
@@ -62,6 +62,9 @@ enum NotDone {
 /// A system could not be brought back. What had been done was undone.
 #[derive(Debug, thiserror::Error)]
 pub enum ThawError {
+    /// It is of another format, or of a later version.
+    #[error(transparent)]
+    Format(#[from] NotFrozen),
     /// Names are taken.
     #[error(
         "{} already: unload {} first, or replace {} (--replace)",
@@ -151,6 +154,7 @@ impl Cells {
         frozen: Frozen,
         replace: bool,
     ) -> Result<Thawed, ThawError> {
+        frozen.check()?;
         let (requests, connections) = parts(frozen)?;
         let taken: Vec<String> = requests
             .iter()

@@ -23,6 +23,7 @@ pub struct Frozen {
     /// Always `genomd freeze`.
     pub format: String,
     /// Version of the format.
+    #[cfg_attr(feature = "openapi", schema(value_type = u64))]
     pub version: u32,
     /// Version of the genomd that wrote it.
     pub genomd: String,
@@ -132,14 +133,27 @@ impl Frozen {
         let head = serde_json::from_str::<Head>(text);
         let Head { format, version, genomd } =
             head.map_err(|error| NotFrozen::Foreign(error.to_string()))?;
-        if format.as_deref() != Some(FORMAT) {
-            return Err(NotFrozen::Foreign(format!("it does not have \"format\": \"{FORMAT}\"")));
-        }
-        if version > VERSION {
-            return Err(NotFrozen::Newer { version, genomd });
-        }
+        check(format.as_deref(), version, &genomd)?;
         Ok(serde_json::from_str(text)?)
     }
+
+    /// Whether it is of a format that this program knows.
+    ///
+    /// # Errors
+    /// It is another one, or of a later version.
+    pub fn check(&self) -> Result<(), NotFrozen> {
+        check(Some(&self.format), self.version, &self.genomd)
+    }
+}
+
+fn check(format: Option<&str>, version: u32, genomd: &str) -> Result<(), NotFrozen> {
+    if format != Some(FORMAT) {
+        return Err(NotFrozen::Foreign(format!("it does not have \"format\": \"{FORMAT}\"")));
+    }
+    if version > VERSION {
+        return Err(NotFrozen::Newer { version, genomd: genomd.to_owned() });
+    }
+    Ok(())
 }
 
 /// JSON with a line for each member of an object and for each list.
@@ -258,6 +272,10 @@ mod tests {
         assert!(told("{\"version\": 1}").contains("\"format\": \"genomd freeze\""));
         let newer = text.replace("\"version\": 1", "\"version\": 7, \"more\": 1");
         assert!(told(&newer).contains("written by genomd 9.9 in version 7"), "{}", told(&newer));
+        let newer = Frozen { version: 7, ..sample() };
+        assert!(matches!(newer.check(), Err(NotFrozen::Newer { version: 7, .. })));
+        let foreign = Frozen { format: String::new(), ..sample() };
+        assert!(matches!(foreign.check(), Err(NotFrozen::Foreign(_))));
         let cut = &text[..text.len() / 2];
         assert!(
             told(cut).starts_with("this is no file of `genomctl freeze`: EOF"),

@@ -63,6 +63,7 @@ pub struct FrozenValue {
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct FrozenActivity {
     /// Its number.
+    #[cfg_attr(feature = "openapi", schema(value_type = u64))]
     pub id: u32,
     /// Its service.
     pub service: String,
