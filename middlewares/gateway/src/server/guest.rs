@@ -85,6 +85,24 @@ impl Guest {
         drop(end);
     }
 
+    /// Looks for losses that the middleware found without a sample that comes or goes; returns
+    /// whether there are ports.
+    pub(super) fn look_for_losses(&self) -> bool {
+        let (mut writers, mut lines) = (Vec::new(), Vec::new());
+        for end in lock(&self.ends).iter().flat_map(HashMap::values) {
+            match end {
+                End::Publisher(writer) => writers.push(Arc::clone(writer)),
+                End::Subscription(line) => lines.push(*line),
+                _ => {}
+            }
+        }
+        writers.iter().for_each(|writer| lock(writer).tell_lost(&self.mouth));
+        if let Some(orders) = self.orders() {
+            lines.iter().for_each(|line| orders.mark(*line));
+        }
+        !writers.is_empty() || !lines.is_empty()
+    }
+
     pub(super) fn orders(&self) -> Option<&Orders<Outgoing<Feed>>> {
         self.orders.get()
     }

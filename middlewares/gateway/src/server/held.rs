@@ -62,6 +62,11 @@ impl Writer {
         if read.is_err() || self.publisher.publish(&self.record).is_err() {
             self.refused += 1;
         }
+        self.tell_lost(mouth);
+    }
+
+    /// Tells the proxy how many samples are lost, if it does not know.
+    pub(super) fn tell_lost(&mut self, mouth: &Mouth) {
         let lost = self.publisher.dropped() + self.refused;
         if lost != self.told {
             self.told = lost;

@@ -19,6 +19,9 @@ use crate::channel::{Outgoing, PATIENCE, lock};
 use crate::wire::{Frame, Frames};
 use crate::words::{About, Down, PROTOCOL, Refusal, Up};
 
+/// How often to look for losses.
+const LOSSES: Duration = Duration::from_millis(200);
+
 /// Serves a proxy until it goes.
 pub(super) fn serve(middleware: Arc<dyn Middleware>, stream: &UnixStream) {
     if let Err(error) = talk(middleware, stream) {
@@ -47,7 +50,7 @@ fn talk(middleware: Arc<dyn Middleware>, stream: &UnixStream) -> io::Result<()> 
         numbers: AtomicU64::new(1),
         workers: AtomicUsize::new(0),
     });
-    let duty = Outgoing::new(&guest.mouth.channel, || None);
+    let duty = Outgoing::new(&guest.mouth.channel, losses(&guest));
     let sender = Sender::single("gateway", true, duty)?;
     let _ = guest.orders.set(sender.orders().clone());
     let orders = sender.orders().clone();
@@ -139,6 +142,20 @@ impl Guest {
             }
         }
         Ok(())
+    }
+}
+
+/// Looks for losses now and then, as long as there are ports.
+fn losses(guest: &Arc<Guest>) -> impl FnMut() -> Option<Duration> + Send + 'static {
+    let (guest, mut last) = (Arc::downgrade(guest), Instant::now());
+    let mut has_ports = true;
+    move || {
+        // A port may have been opened since.
+        if !has_ports || last.elapsed() >= LOSSES {
+            last = Instant::now();
+            has_ports = guest.upgrade().is_some_and(|guest| guest.look_for_losses());
+        }
+        has_ports.then_some(LOSSES)
     }
 }
 
