@@ -89,7 +89,8 @@ fn start(genomd: &Path, home: &Home) -> Running {
     command.arg("--config").arg(home.path().join("genomd.toml"));
     command.arg("--socket").arg(home.socket());
     let daemon = Running::start(&mut command);
-    daemon.error_line_where(|line| line.contains("ready on "));
+    let ready = daemon.error_line_where(|line| line.contains("ready on "));
+    assert!(ready.is_some(), "genomd starts");
     assert_eq!(get(home, "/ready?wait=60&deployed=true")["ready"], true, "all is connected");
     daemon
 }
