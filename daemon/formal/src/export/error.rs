@@ -1,0 +1,26 @@
+//! Why a model cannot be written.
+
+use crate::explore::Limit;
+
+/// Why a model cannot be written.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ExportError {
+    /// The language counts in bytes.
+    #[error("the component has {count} {what}, and a model in {format} may have {most}")]
+    TooMany {
+        /// What there is too much of.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many there may be.
+        most: usize,
+        /// The language.
+        format: &'static str,
+    },
+    /// Times are wanted.
+    #[error("clocks want times of all codels")]
+    NoTimes,
+    /// The states are too many to be written out.
+    #[error("the states cannot be written out: {0}; lower the bounds on clients")]
+    Limit(Limit),
+}

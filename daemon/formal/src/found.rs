@@ -1,0 +1,27 @@
+//! What was found of one component.
+
+use crate::property::Report;
+use crate::system::System;
+use crate::timed::TimedReport;
+
+/// What was found of one component.
+#[derive(Debug)]
+pub struct Found {
+    /// The component.
+    pub system: System,
+    /// What holds whatever time codels take.
+    pub report: Report,
+    /// What was found about ticks.
+    pub ticks: Ticks,
+}
+
+/// What was found about ticks.
+#[derive(Debug)]
+pub enum Ticks {
+    /// Nobody asked.
+    Unasked,
+    /// They were not looked at, for this reason.
+    Unknown(String),
+    /// They were looked at.
+    Seen(Box<TimedReport>),
+}

@@ -1,0 +1,47 @@
+//! What a component can do, whatever its codels yield and its clients ask: a transition system with
+//! the same rules as the runtime, made from the same [`Plan`](genom_runtime::Plan).
+//!
+//! `docs/verify.md` lists the rules with the numbers that comments here cite (`R4`), and says what
+//! they leave out. A [`System`] is a component in arrays; a [`State`] is where it is between two
+//! steps; an [`Action`] is a step. Tests hold the rules against the runtime, step by step.
+
+#![forbid(unsafe_code)]
+
+mod action;
+mod bounds;
+mod codels;
+mod enabled;
+mod explore;
+mod export;
+mod found;
+mod hints;
+mod large;
+mod lock;
+mod machines;
+mod pack;
+mod property;
+mod rules;
+mod schedule;
+mod services;
+mod state;
+mod system;
+mod text;
+mod timed;
+mod variant;
+mod words;
+
+pub use action::{Action, Answer, End, Target, Told};
+pub use bounds::Bounds;
+pub use explore::{Explored, Limit, Limits};
+pub use export::{ExportError, Format};
+pub use found::{Found, Ticks};
+pub use hints::{Hint, hints};
+pub use lock::{Conflicts, Lock};
+pub use property::{Finding, Property, Report, Verdict};
+pub use schedule::{Called, Cause, Processors, Schedule, Scheduled, Waits};
+pub use state::{At, Life, Mode, Pc, Pending, Phase, Place, Run, State, Step, Task, Worker};
+pub use system::{Period, System};
+pub use text::text;
+pub use timed::{Dated, Duration, Overrun, TaskReport, Timed, TimedReport, Times};
+pub use variant::Variant;
+pub use words::Line;

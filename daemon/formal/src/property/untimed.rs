@@ -1,0 +1,140 @@
+//! Properties that all reachable states are looked at for.
+
+use genom_description::model::{Codel, CodelIx, Ix as _, Owner};
+
+use super::verdict::{Finding, Property, Verdict, verdict};
+use crate::action::Action;
+use crate::explore::{Explored, Limits};
+use crate::state::{Pc, Phase};
+use crate::system::System;
+use crate::words::Line;
+
+/// What was seen of the states.
+pub(super) struct Found {
+    pub(super) explored: Explored,
+    /// The first state in which nothing is possible although not everything has ended.
+    stuck: Option<u32>,
+    /// The first state in which two nodes are executed that exclude each other.
+    together: Option<(u32, u16, u16)>,
+    /// Whether requests are ever served.
+    runs: bool,
+    /// Nodes that are executed in some state.
+    executed: Vec<bool>,
+    /// Services of which some request was successful.
+    served: Vec<bool>,
+}
+
+/// Explores the system, and keeps what properties ask for.
+pub(super) fn explore(system: &System, limits: &Limits) -> Found {
+    let nodes = system.plan.nodes().len();
+    let (mut stuck, mut together, mut runs) = (None, None, false);
+    let mut executed = vec![false; nodes];
+    let mut served = vec![false; system.services.len()];
+    let explored = Explored::new(system, limits, |number, state, enabled: &[Action]| {
+        // While it runs it may wait for requests, which the bounds may exclude.
+        if enabled.is_empty() && !matches!(state.phase, Phase::Stopped | Phase::Running) {
+            stuck.get_or_insert(number);
+        }
+        runs |= state.phase == Phase::Running;
+        let held: Vec<(u16, u16)> = state.lock.holders().collect();
+        for (at, (_, node)) in held.iter().enumerate() {
+            executed[usize::from(*node)] = true;
+            let others = &held[at + 1..];
+            if let Some((_, other)) =
+                others.iter().find(|(_, o)| system.conflicts.between(*node, *o))
+            {
+                together.get_or_insert((number, *node, *other));
+            }
+        }
+        for worker in &state.workers {
+            served[usize::from(worker.service)] |= worker.pc == Pc::Conclude;
+        }
+    });
+    Found { explored, stuck, together, runs, executed, served }
+}
+
+impl Found {
+    /// Whether a property holds.
+    pub(super) fn verdict(&self, system: &System, property: Property) -> Verdict {
+        let found = match property {
+            Property::Start => self.start(system),
+            Property::Stuck => self.stuck(system),
+            Property::Reach => self.reach(system),
+            Property::Exclude => self.exclude(system),
+            Property::Loop | Property::Stop | Property::Order => Vec::new(),
+        };
+        // A run that shows a violation is one whether all states were seen or not. What was not
+        // seen yet may still be reached.
+        let shown = found.iter().any(|found| !found.run.is_empty());
+        match self.explored.limit {
+            Some(limit) if !shown => {
+                Verdict::Undecided(format!("{limit}: raise the limits, or lower the bounds"))
+            }
+            _ => verdict(found),
+        }
+    }
+
+    fn start(&self, system: &System) -> Vec<Finding> {
+        if self.runs {
+            return Vec::new();
+        }
+        let what = "no run of the start codels leads to a component that serves requests".into();
+        let span = Some(system.plan.component().span);
+        vec![Finding { what, span, run: Vec::new() }]
+    }
+
+    fn stuck(&self, system: &System) -> Vec<Finding> {
+        let Some(number) = self.stuck else { return Vec::new() };
+        let what = "nothing can happen any more, though not everything has ended".into();
+        vec![Finding { what, span: None, run: lines(&self.explored, system, number) }]
+    }
+
+    fn exclude(&self, system: &System) -> Vec<Finding> {
+        let Some((number, a, b)) = self.together else { return Vec::new() };
+        let name = |node: u16| system.node_name(node);
+        let what = format!("{} and {} are executed at the same time", name(a), name(b));
+        vec![Finding { what, span: None, run: lines(&self.explored, system, number) }]
+    }
+
+    fn reach(&self, system: &System) -> Vec<Finding> {
+        let mut found = Vec::new();
+        let model = system.plan.component();
+        let standard = |codel: &Codel| match codel.owner {
+            Owner::Service(service) => model.services[service].standard,
+            Owner::Task(_) => false,
+        };
+        for (ix, codel) in model.codels.pairs() {
+            if !self.executed[ix.index()] && !standard(codel) {
+                let what = format!("codel {} never runs", codel.name);
+                found.push(Finding { what, span: Some(codel.span), run: Vec::new() });
+            }
+        }
+        for ((ix, service), facts) in model.services.pairs().zip(&system.services) {
+            if facts.builtin.is_none() && !self.served[ix.index()] {
+                let what = format!("no request of {} is ever accepted", service.name);
+                found.push(Finding { what, span: Some(service.span), run: Vec::new() });
+            }
+        }
+        found
+    }
+}
+
+impl System {
+    /// A codel, or the service of a data transfer.
+    pub(crate) fn node_name(&self, node: u16) -> String {
+        let codels = &self.plan.component().codels;
+        match codels.get(CodelIx::new(node.into())) {
+            Some(codel) => codel.name.clone(),
+            None => {
+                let service = usize::from(node).saturating_sub(codels.len());
+                format!("the transfer of {}", self.service_name(crate::codels::small(service)))
+            }
+        }
+    }
+}
+
+/// A shortest run to a state, in words.
+fn lines(explored: &Explored, system: &System, number: u32) -> Vec<Line> {
+    let run = explored.run_to(system, number);
+    run.iter().filter_map(|(state, action)| system.words(state, *action)).collect()
+}

@@ -1,0 +1,45 @@
+//! What would have to change so that a task is in time.
+
+use super::report::{Cause, Processors, Schedule};
+use crate::codels::small;
+use crate::system::System;
+use crate::timed::Times;
+
+/// Times are found to this many nanoseconds.
+const STEP: u64 = 1_000;
+
+impl System {
+    /// Finds the codels of which a shorter time would do, each by itself.
+    pub(super) fn advise(
+        &self,
+        schedule: &mut Schedule,
+        times: &Times,
+        processors: Processors,
+        late: u64,
+    ) {
+        for at in 0..schedule.tasks.len() {
+            if !matches!(schedule.tasks[at].response, Err(Cause::Late(_))) {
+                continue;
+            }
+            let holds = |codel: u16, most: u64| {
+                let other = self.bounded(&times.with_most(codel, most), processors, late);
+                other.tasks.get(at).is_some_and(|task| task.response.is_ok())
+            };
+            let codels = 0..small(self.codels.len());
+            let bound = |codel: u16| {
+                let duration = times.of(codel);
+                let (mut fine, mut wrong) = (duration.least, duration.most?);
+                if fine >= wrong || !holds(codel, fine) {
+                    return None;
+                }
+                while wrong - fine > STEP {
+                    let middle = fine + (wrong - fine) / 2;
+                    let middle = (middle / STEP * STEP).max(fine + 1);
+                    if holds(codel, middle) { fine = middle } else { wrong = middle }
+                }
+                Some((self.node_name(codel), wrong))
+            };
+            schedule.tasks[at].needed = codels.filter_map(bound).collect();
+        }
+    }
+}

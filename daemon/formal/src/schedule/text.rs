@@ -1,0 +1,71 @@
+//! A schedule as text.
+
+use std::fmt::Write as _;
+
+use super::report::{Called, Cause, Schedule, Scheduled};
+use crate::text::duration;
+
+impl Schedule {
+    /// The bounds, and what they are made of, for people.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut text = String::new();
+        self.tasks.iter().for_each(|one| task(&mut text, one));
+        for other in &self.others {
+            let _ = writeln!(text, "task {other}: no period, nothing is due");
+        }
+        text
+    }
+}
+
+impl Cause {
+    /// Why there is no bound, in a sentence.
+    #[must_use]
+    pub fn text(&self) -> String {
+        match self {
+            Cause::Late(_) => "MAY BE AT WORK AT ITS NEXT TICK".into(),
+            Cause::Loop => "no bound: states follow each other in a circle without pause".into(),
+            Cause::Preempted(task) => {
+                format!("no bound: {task} has the same or a higher priority, and no bound itself")
+            }
+            Cause::NotRealTime(task) => {
+                format!(
+                    "no bound: {task} is not a real-time task, which others may hold up for long"
+                )
+            }
+        }
+    }
+}
+
+fn task(text: &mut String, task: &Scheduled) {
+    let _ = write!(text, "task {} ({}): ", task.name, duration(task.period));
+    let _ = match &task.response {
+        Ok(response) => {
+            writeln!(text, "in time, at most {} from a tick to its end", duration(*response))
+        }
+        Err(cause) => writeln!(text, "{}", cause.text()),
+    };
+    for one in &task.called {
+        called(text, one);
+    }
+    for (other, work) in &task.preempted_by {
+        let _ = writeln!(text, "  {:>12}  for each cycle of task {other}", duration(*work));
+    }
+    if let Err(Cause::Late(least)) = &task.response {
+        let _ = writeln!(text, "  {:>12}  or more, and {} are there", duration(*least), {
+            duration(task.period)
+        });
+        for (codel, below) in &task.needed {
+            let _ = writeln!(text, "  in time if {codel} takes less than {}", duration(*below));
+        }
+    }
+}
+
+fn called(text: &mut String, called: &Called) {
+    let of = called.activity.as_ref().map_or_else(String::new, |name| format!(" of {name}"));
+    let _ = writeln!(text, "  {:>12}  {}{of}", duration(called.most), called.codel);
+    for waits in &called.waits {
+        let of = format!("{} of {}", waits.codel, waits.of);
+        let _ = writeln!(text, "  {:>12}    after {of}", duration(waits.most));
+    }
+}

@@ -1,0 +1,89 @@
+//! Dates of the steps of a run: the earliest that its bounds allow.
+
+use super::clocks::is_urgent;
+use super::times::Times;
+use crate::action::Action;
+use crate::state::State;
+use crate::system::System;
+
+/// That one date is at least another one plus a time, which may be negative.
+struct AtLeast {
+    /// Number of a step plus one; 0 is the start of the component.
+    later: usize,
+    earlier: usize,
+    by: i64,
+}
+
+/// The dates of the steps of a run, in nanoseconds from the start of the component.
+pub(super) fn dates(system: &System, times: &Times, run: &[(State, Action)]) -> Vec<u64> {
+    let rules = rules(system, times, run);
+    let mut dates = vec![0i64; run.len() + 1];
+    // The run is possible, so no cycle of rules moves dates on for ever.
+    for _ in 0..=run.len() {
+        let mut moved = false;
+        for rule in &rules {
+            let least = dates[rule.earlier] + rule.by;
+            if dates[rule.later] < least {
+                (dates[rule.later], moved) = (least, true);
+            }
+        }
+        if !moved {
+            break;
+        }
+    }
+    dates.into_iter().skip(1).map(|date| u64::try_from(date).unwrap_or(0)).collect()
+}
+
+fn rules(system: &System, times: &Times, run: &[(State, Action)]) -> Vec<AtLeast> {
+    let mut rules = Vec::new();
+    let mut push = |later, earlier, by| rules.push(AtLeast { later, earlier, by });
+    // When each context began what it executes, and the next tick of each task.
+    let mut began: Vec<(u16, usize)> = Vec::new();
+    let mut next: Vec<Option<u64>> = system
+        .periods
+        .iter()
+        .map(|period| period.map(|p| if p.delay > 0 { p.delay } else { p.period }))
+        .collect();
+    for (at, (state, action)) in run.iter().enumerate() {
+        let (before, date) = (at, at + 1);
+        push(date, before, 0);
+        if is_urgent(system, state) {
+            push(before, date, 0);
+        }
+        began.retain(|(context, _)| state.lock.held_by(*context).is_some());
+        for (context, _) in state.lock.holders() {
+            if !began.iter().any(|(known, _)| *known == context) {
+                began.push((context, before));
+            }
+        }
+        for tick in next.iter().flatten() {
+            push(0, date, -ns(*tick));
+        }
+        for (context, since) in &began {
+            let Some(node) = state.lock.held_by(*context) else { continue };
+            let duration = times.of(node);
+            if let Some(most) = duration.most {
+                push(*since, date, -ns(most));
+            }
+            if matches!(action, Action::Return(returned, _) if returned == context) {
+                push(date, *since, ns(duration.least));
+            }
+        }
+        match action {
+            Action::Return(returned, _) => began.retain(|(context, _)| context != returned),
+            Action::Tick(task) => {
+                let task = usize::from(*task);
+                if let (Some(tick), Some(period)) = (&mut next[task], system.periods[task]) {
+                    push(date, 0, ns(*tick));
+                    *tick += period.period;
+                }
+            }
+            _ => {}
+        }
+    }
+    rules
+}
+
+fn ns(ns: u64) -> i64 {
+    i64::try_from(ns).unwrap_or(i64::MAX)
+}

@@ -1,0 +1,141 @@
+//! Whether tasks end their cycles in time, and a run that shows where one does not.
+
+use super::dates::dates;
+use super::explore::Timed;
+use super::slack::involved;
+use super::times::Times;
+use crate::action::Action;
+use crate::explore::{Limit, Limits};
+use crate::state::State;
+use crate::system::System;
+use crate::words::Line;
+
+/// What was found about the time of a component.
+#[derive(Debug)]
+pub struct TimedReport {
+    /// Periodic tasks in the model's order.
+    pub tasks: Vec<TaskReport>,
+    /// What was explored.
+    pub explored: Timed,
+}
+
+/// A task that has a period.
+#[derive(Debug)]
+pub struct TaskReport {
+    /// Its name.
+    pub name: String,
+    /// Its period, in nanoseconds.
+    pub period: u64,
+    /// The longest time from a tick to the end of the cycle that it begins, in nanoseconds; `None`
+    /// if there is no bound, or no cycle.
+    pub response: Option<u64>,
+    /// A run in which a tick comes while the task is at work; empty if there is none.
+    pub overrun: Vec<Dated>,
+    /// Codels, and the time in nanoseconds below which each would have to stay so that there is no
+    /// such run, the others as they are.
+    pub needed: Vec<(String, u64)>,
+    /// Not decided: not all was seen, and no run shows that it is late.
+    pub(crate) open: bool,
+}
+
+/// What happens at a date.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Dated {
+    /// Nanoseconds from the start of the component.
+    pub date: u64,
+    /// What happens.
+    pub line: Line,
+}
+
+impl System {
+    /// Explores what the component can do if its codels take these times.
+    #[must_use]
+    pub fn check_times(&self, times: &Times, limits: &Limits) -> TimedReport {
+        let explored = Timed::new(self, times, limits);
+        let periodic = self.periods.iter().enumerate();
+        let task = |(at, period): (usize, &Option<crate::Period>)| {
+            let run = explored.overruns[at].map(|overrun| explored.run_to(self, overrun));
+            let run = run.unwrap_or_default();
+            let codels = involved(&run, crate::codels::small(at));
+            let needed = if run.is_empty() {
+                Vec::new()
+            } else {
+                self.needed(times, limits, at, (&codels, explored.zones()))
+            };
+            let named = |(codel, most): (u16, u64)| (self.node_name(codel), most);
+            Some(TaskReport {
+                name: self.task_name(crate::codels::small(at)),
+                period: (*period)?.period,
+                response: explored.responses[at].flatten(),
+                open: run.is_empty() && explored.limit.is_some(),
+                overrun: self.dated(times, &run),
+                needed: needed.into_iter().map(named).collect(),
+            })
+        };
+        TimedReport { tasks: periodic.filter_map(task).collect(), explored }
+    }
+
+    /// What happens on the way to an overrun, with dates.
+    pub(crate) fn dated(&self, times: &Times, run: &[(State, Action)]) -> Vec<Dated> {
+        let dates = dates(self, times, run);
+        let mut told = Vec::new();
+        let mut lines = Vec::new();
+        for ((state, action), date) in run.iter().zip(dates) {
+            let next = self.after(state, *action, &mut told);
+            let words = self.words(state, *action).into_iter();
+            let words = words.chain(self.begun(state, *action, &next));
+            lines.extend(words.map(|line| Dated { date, line }));
+        }
+        lines
+    }
+
+    /// What contexts begin to execute, or to wait for, by a step.
+    fn begun(&self, state: &State, action: Action, next: &State) -> Vec<Line> {
+        let returned = match action {
+            Action::Return(context, _) => Some(context),
+            _ => None,
+        };
+        let mut lines = Vec::new();
+        for (context, node) in next.lock.holders() {
+            if state.lock.held_by(context).is_none() || returned == Some(context) {
+                let what = format!("{} begins", self.node_name(node));
+                lines.push(self.line_of(next, context, node, what));
+            }
+        }
+        for &(context, node) in &next.lock.queue {
+            if state.lock.awaited_by(context).is_none() {
+                let others = next.lock.holders().chain(next.lock.queue.iter().copied());
+                let others = others.take_while(|other| *other != (context, node));
+                let others: Vec<String> = others
+                    .filter(|(_, other)| self.conflicts.between(node, *other))
+                    .map(|(_, other)| self.node_name(other))
+                    .collect();
+                let what = format!("{} waits for {}", self.node_name(node), others.join(", "));
+                lines.push(self.line_of(next, context, node, what));
+            }
+        }
+        lines
+    }
+}
+
+impl TaskReport {
+    /// Not decided.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.open
+    }
+
+    /// A run shows that it is late.
+    #[must_use]
+    pub fn is_late(&self) -> bool {
+        !self.overrun.is_empty()
+    }
+}
+
+impl TimedReport {
+    /// What ended the exploration before all was seen.
+    #[must_use]
+    pub fn limit(&self) -> Option<Limit> {
+        self.explored.limit
+    }
+}

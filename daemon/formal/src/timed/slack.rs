@@ -1,0 +1,64 @@
+//! By how much codels are too long for a task.
+
+use super::explore::Timed;
+use super::times::Times;
+use crate::action::Action;
+use crate::explore::Limits;
+use crate::state::State;
+use crate::system::System;
+
+/// Times are found to this many nanoseconds.
+const STEP: u64 = 1_000;
+/// Zones of an exploration that is repeated with other times.
+const MOST: usize = 20_000;
+
+/// The codels in the last cycle of a task in a run, and those of other contexts meanwhile.
+pub(super) fn involved(run: &[(State, Action)], task: u16) -> Vec<u16> {
+    let before = run.split_last().map_or(run, |(_, before)| before);
+    let tick = before.iter().rposition(|(_, action)| *action == Action::Tick(task));
+    let mut nodes = Vec::new();
+    for (state, _) in &run[tick.unwrap_or(0)..] {
+        for (_, node) in state.lock.holders() {
+            if !nodes.contains(&node) {
+                nodes.push(node);
+            }
+        }
+    }
+    nodes
+}
+
+impl System {
+    /// For each of these codels, the time below which it would have to stay, all others as they are,
+    /// so that the task ends each cycle before its next tick. Codels for which that is not enough are
+    /// left out; all are, if the component is too large to be explored many times.
+    pub(super) fn needed(
+        &self,
+        times: &Times,
+        limits: &Limits,
+        task: usize,
+        (codels, zones): (&[u16], usize),
+    ) -> Vec<(u16, u64)> {
+        if zones > MOST {
+            return Vec::new();
+        }
+        let holds = |codel: u16, most: u64| {
+            let timed = Timed::new(self, &times.with_most(codel, most), limits);
+            timed.limit.is_none() && timed.overruns[task].is_none()
+        };
+        let bound = |codel: &u16| {
+            let duration = times.of(*codel);
+            let (mut fine, mut wrong) = (duration.least, duration.most?);
+            if fine == wrong || !holds(*codel, fine) {
+                return None;
+            }
+            while wrong - fine > STEP {
+                let middle = fine + (wrong - fine) / 2;
+                // Whole steps, so that the result is a round number.
+                let middle = (middle / STEP * STEP).max(fine + 1);
+                if holds(*codel, middle) { fine = middle } else { wrong = middle }
+            }
+            Some((*codel, wrong))
+        };
+        codels.iter().filter_map(bound).collect()
+    }
+}

@@ -1,0 +1,135 @@
+//! Zones: sets of values of clocks, as bounds on their differences (Bengtsson, Yi: Timed Automata:
+//! Semantics, Algorithms and Tools, 2004). All bounds are closed.
+
+/// No bound.
+const NONE: i64 = i64::MAX;
+
+/// A set of values of clocks. Clock 0 is always zero. Always closed: each bound is the least that
+/// follows from all others.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Zone {
+    size: usize,
+    /// For clocks `i` and `j`, the greatest value of `i - j`, row by row.
+    bounds: Box<[i64]>,
+}
+
+fn sum(a: i64, b: i64) -> i64 {
+    if a == NONE || b == NONE { NONE } else { a + b }
+}
+
+impl Zone {
+    /// The zone of one point: clock `i + 1` has the value `values[i]`.
+    pub(crate) fn point(values: &[i64]) -> Self {
+        let size = values.len() + 1;
+        let value = |clock: usize| if clock == 0 { 0 } else { values[clock - 1] };
+        let bounds = (0..size * size).map(|at| value(at / size) - value(at % size)).collect();
+        Self { size, bounds }
+    }
+
+    fn bound(&self, i: usize, j: usize) -> i64 {
+        self.bounds[i * self.size + j]
+    }
+
+    /// The greatest value of a clock.
+    pub(crate) fn most(&self, clock: usize) -> Option<i64> {
+        Some(self.bound(clock, 0)).filter(|bound| *bound != NONE)
+    }
+
+    /// Keeps the values with `i - j` at most `bound`; `false` when none is left.
+    #[must_use]
+    pub(crate) fn keep(&mut self, i: usize, j: usize, bound: i64) -> bool {
+        if sum(self.bound(j, i), bound) < 0 {
+            return false;
+        }
+        if bound >= self.bound(i, j) {
+            return true;
+        }
+        self.bounds[i * self.size + j] = bound;
+        // Only ways over the new bound can be shorter than before.
+        for a in 0..self.size {
+            let to = sum(self.bound(a, i), bound);
+            if to == NONE {
+                continue;
+            }
+            for b in 0..self.size {
+                let way = sum(to, self.bound(j, b));
+                if way < self.bound(a, b) {
+                    self.bounds[a * self.size + b] = way;
+                }
+            }
+        }
+        true
+    }
+
+    /// Keeps the values of a clock that are at least `bound`.
+    #[must_use]
+    pub(crate) fn at_least(&mut self, clock: usize, bound: i64) -> bool {
+        self.keep(0, clock, -bound)
+    }
+
+    /// Keeps the values of a clock that are at most `bound`.
+    #[must_use]
+    pub(crate) fn at_most(&mut self, clock: usize, bound: i64) -> bool {
+        self.keep(clock, 0, bound)
+    }
+
+    /// Time passes, for as long as one likes.
+    pub(crate) fn up(&mut self) {
+        for clock in 1..self.size {
+            self.bounds[clock * self.size] = NONE;
+        }
+    }
+
+    /// Clock by clock, the one of this zone that it is (from 1), or `None` for a new one at zero.
+    pub(crate) fn select(&self, clocks: &[Option<usize>]) -> Self {
+        let size = clocks.len() + 1;
+        let old = |clock: usize| if clock == 0 { 0 } else { clocks[clock - 1].unwrap_or(0) };
+        let bounds = (0..size * size).map(|at| self.bound(old(at / size), old(at % size)));
+        Self { size, bounds: bounds.collect() }
+    }
+
+    /// Whether all values of `other` are in this zone.
+    pub(crate) fn includes(&self, other: &Self) -> bool {
+        self.bounds.iter().zip(&other.bounds).all(|(mine, theirs)| theirs <= mine)
+    }
+
+    /// Bytes that it takes.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of::<Self>() + self.bounds.len() * size_of::<i64>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_passes_for_all_clocks_alike() {
+        let mut zone = Zone::point(&[0, 3]);
+        zone.up();
+        assert!(zone.at_most(1, 5));
+        assert_eq!([zone.most(1), zone.most(2)], [Some(5), Some(8)]);
+        assert!(zone.at_least(2, 7));
+        // The first clock has then passed 4 as well.
+        assert!(!zone.clone().at_most(1, 3) && zone.at_most(1, 4));
+    }
+
+    #[test]
+    fn a_new_clock_is_zero_and_the_others_stay() {
+        let mut zone = Zone::point(&[0, 3]);
+        zone.up();
+        assert!(zone.at_most(1, 5) && zone.at_least(1, 5));
+        let next = zone.select(&[Some(2), None]);
+        assert_eq!([next.most(1), next.most(2)], [Some(8), Some(0)]);
+        assert!(!next.clone().at_least(2, 1) && next.clone().at_least(1, 8));
+    }
+
+    #[test]
+    fn a_zone_includes_its_parts() {
+        let mut all = Zone::point(&[0]);
+        all.up();
+        let mut part = all.clone();
+        assert!(part.at_least(1, 2) && part.at_most(1, 3));
+        assert!(all.includes(&part) && !part.includes(&all));
+    }
+}

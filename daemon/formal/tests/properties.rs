@@ -1,0 +1,173 @@
+//! What is found of small components, and how large their state spaces are.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::sync::Arc;
+
+use genom_description::{Options, read_text};
+use genom_formal::{Bounds, Limits, Property, System, Verdict};
+use genom_runtime::Plan;
+
+fn system(text: &str, bounds: Bounds) -> System {
+    let analysis = read_text("small.gen", text, &Options::default());
+    assert!(!analysis.has_errors(), "{:#?}", analysis.diagnostics);
+    System::new(&Arc::new(Plan::new(&Arc::new(analysis.specification), 0).unwrap()), bounds)
+}
+
+/// However slow the machine is.
+fn limits() -> Limits {
+    Limits { time: std::time::Duration::MAX, ..Limits::default() }
+}
+
+/// What violates each property, in words.
+fn found(text: &str, properties: &[Property]) -> Vec<String> {
+    let report = system(text, Bounds::default()).check(properties, &limits());
+    let of = |(property, verdict): &(Property, Verdict)| match verdict {
+        Verdict::Holds => Vec::new(),
+        Verdict::Violated(found) => {
+            found.iter().map(|found| format!("{}: {}", property.name(), found.what)).collect()
+        }
+        Verdict::Undecided(why) => vec![format!("{}: not decided: {why}", property.name())],
+    };
+    report.verdicts.iter().flat_map(of).collect()
+}
+
+const SOUND: &str = "component c {
+  ids { long x; };
+  task t { period 10 ms; codel<start> t0(out x) yield ether; };
+  attribute set(in x);
+  activity go() { task t; codel<start> g0(in x) yield pause::start, ether;
+    codel<stop> g1() yield ether; interrupts go; };
+};";
+
+#[test]
+fn all_properties_hold_of_a_sound_component() {
+    assert_eq!(found(SOUND, &Property::ALL), Vec::<String>::new());
+}
+
+#[test]
+fn a_stop_codel_that_pauses_in_a_task_without_period_blocks_the_shutdown() {
+    let text = "component c {
+      task t { };
+      activity go() { task t; codel<start> g0() yield pause::start, ether;
+        codel<stop> g1() yield pause::stop, ether; };
+    };";
+    let system = system(text, Bounds::default());
+    let report = system.check(&[Property::Stuck], &limits());
+    let [(_, Verdict::Violated(found))] = &report.verdicts[..] else { panic!("{report:?}") };
+    let run: Vec<String> =
+        found[0].run.iter().map(|line| format!("{}: {}", line.who, line.what)).collect();
+    assert_eq!(
+        run,
+        [
+            "t: starts",
+            "client: requests go",
+            "go: is accepted",
+            "t: go: g0 yields pause::start",
+            "client: asks the component to end",
+            "t: go: g1 yields pause::stop",
+        ]
+    );
+}
+
+#[test]
+fn a_circle_without_pause_is_a_loop_in_a_periodic_task_only() {
+    let circle = |period: &str| {
+        format!(
+            "component c {{ task t {{ {period} }};
+             activity go() {{ task t; codel<start> g0() yield main;
+               codel<main> g1() yield start, ether; }}; }};"
+        )
+    };
+    assert_eq!(
+        found(&circle("period 5 ms;"), &[Property::Loop]),
+        ["loop: activity go may go from state to state without pause for ever: start, main"]
+    );
+    assert_eq!(found(&circle(""), &[Property::Loop]), Vec::<String>::new());
+}
+
+#[test]
+fn an_activity_that_was_asked_to_stop_must_not_sleep() {
+    let stops = |yields: &str| {
+        format!(
+            "component c {{ event alarm; task t {{ period 5 ms; }};
+             activity go() {{ task t; codel<start> g0() yield pause::start, ether;
+               codel<alarm> g1() yield ether; codel<stop> g2() yield {yields}; }}; }};"
+        )
+    };
+    assert_eq!(found(&stops("pause::stop, ether"), &[Property::Stop]), Vec::<String>::new());
+    assert_eq!(
+        found(&stops("pause::stop, sleep, ether"), &[Property::Stop]),
+        ["stop: activity go may sleep in state stop once it was asked to stop: only an event \
+             ends that"]
+    );
+}
+
+#[test]
+fn what_only_an_event_leads_to_is_reached_if_events_are_fired() {
+    let text = "component c { event alarm;
+      task t { period 5 ms; };
+      activity go() { task t; codel<start> g0() yield pause::start;
+        codel<alarm> g1() yield ether; }; };";
+    assert_eq!(found(text, &[Property::Reach]), Vec::<String>::new());
+    let bounds = Bounds { fire: false, ..Bounds::default() };
+    let report = system(text, bounds).check(&[Property::Reach], &limits());
+    let [(_, Verdict::Violated(found))] = &report.verdicts[..] else { panic!("{report:?}") };
+    assert_eq!(found[0].what, "codel g1 never runs");
+}
+
+#[test]
+fn services_that_wait_for_each_other_can_never_run() {
+    let text = "component c { ids { long x; };
+      attribute a(in x) { after b; };
+      attribute b(in x) { after a; };
+      attribute d(in x) { before e; };
+      attribute e(in x) { after d; }; };";
+    let order = |of: &str, all: &str| {
+        format!(
+            "order: {of} can never run: there is no order of {all} in which `before` and `after` hold"
+        )
+    };
+    assert_eq!(found(text, &[Property::Order]), [order("a", "a, b"), order("b", "b, a")]);
+    // The exploration finds the same without looking at the rule.
+    assert_eq!(
+        found(text, &[Property::Reach]),
+        ["reach: no request of a is ever accepted", "reach: no request of b is ever accepted"]
+    );
+}
+
+#[test]
+fn what_passes_the_limits_is_not_decided() {
+    let limits = Limits { states: 3, ..limits() };
+    let report = system(SOUND, Bounds::default()).check(&Property::ALL, &limits);
+    for (property, verdict) in report.verdicts {
+        // All others follow from the rules and from the description.
+        let open = matches!(property, Property::Start | Property::Reach);
+        assert_eq!(verdict == Verdict::Holds, !open, "{property:?}: {verdict:?}");
+        assert_eq!(matches!(verdict, Verdict::Undecided(_)), open, "{property:?}");
+    }
+}
+
+#[test]
+fn what_is_large_is_decided_by_its_parts() {
+    // Four activities, three at a time: more states than the first look sees.
+    let activity = |at: usize| {
+        format!(
+            "activity a{at}() {{ task t; codel<start> s{at}() yield main, pause::main;
+               codel<main> m{at}() yield pause::main, stop; codel<stop> e{at}() yield ether; }};"
+        )
+    };
+    let activities: String = (0..4).map(activity).collect();
+    let text =
+        |more: &str| format!("component c {{ task t {{ period 10 ms; }}; {activities} {more} }};");
+    let bounds = Bounds { instances: 3, ..Bounds::default() };
+    let limits = Limits { states: 2_000, ..limits() };
+    let verdicts = |text: &str| system(text, bounds).check(&Property::ALL, &limits).verdicts;
+    for (property, verdict) in verdicts(&text("")) {
+        assert_eq!(verdict, Verdict::Holds, "{property:?}");
+    }
+    // What never runs is not seen in any part, which says nothing of the whole.
+    let never = "attribute x() { after y; }; attribute y() { after x; };";
+    let found = verdicts(&text(never)).into_iter().find(|(one, _)| *one == Property::Reach);
+    assert!(matches!(found, Some((_, Verdict::Undecided(_)))), "{found:?}");
+}

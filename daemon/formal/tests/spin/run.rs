@@ -1,0 +1,84 @@
+//! Runs Spin on a model.
+
+use std::path::Path;
+use std::process::Command;
+
+use genom_formal::{Format, Limits, System, Times};
+
+/// A model that Spin has made a program of.
+pub(crate) struct Checked {
+    folder: tempfile::TempDir,
+    timed: bool,
+}
+
+/// What that program found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Found {
+    pub(crate) errors: u64,
+    pub(crate) states: u64,
+}
+
+impl Checked {
+    /// Spin's program for this component; with times if there are any.
+    pub(crate) fn new(system: &System, times: Option<&Times>) -> Self {
+        let text = system.export(Format::Promela, times, &Limits::default()).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("model.pml"), text).unwrap();
+        let checked = Self { folder, timed: times.is_some() };
+        let time: &[&str] = if checked.timed { &["-DTIME"] } else { &[] };
+        let spin = genom_components::debian::spin().unwrap_or_else(|error| panic!("{error}"));
+        run(&spin, &[time, &["-a", "model.pml"]].concat(), checked.folder.path());
+        checked
+    }
+
+    /// All states, and whether an assertion fails or one has no next step.
+    pub(crate) fn all(&self) -> Found {
+        self.compiled("all", &["-DNOCLAIM"]);
+        self.found("all", &[])
+    }
+
+    /// Whether a claim fails.
+    pub(crate) fn claim(&self, name: &str) -> bool {
+        if !self.folder.path().join("claims").exists() {
+            self.compiled("claims", &[]);
+        }
+        self.found("claims", &["-N", name]).errors > 0
+    }
+
+    fn compiled(&self, program: &str, options: &[&str]) {
+        let all = ["-O0", "-w", "-DSAFETY", "-DMEMLIM=2048", "-o", program, "pan.c"];
+        run(Path::new("cc"), &[&all[..], options].concat(), self.folder.path());
+    }
+
+    fn found(&self, program: &str, options: &[&str]) -> Found {
+        let path = self.folder.path().join(program);
+        let options = [&["-m2000000"], options].concat();
+        let text = run(&path, &options, self.folder.path());
+        assert!(!text.contains("max search depth too small"), "{text}");
+        let number = |from: &str, before: bool| {
+            let at = text.find(from).unwrap_or_else(|| panic!("no `{from}` in: {text}"));
+            let part = if before { &text[..at] } else { &text[at + from.len()..] };
+            let word = if before {
+                part.split_whitespace().next_back()
+            } else {
+                part.split_whitespace().next()
+            };
+            word.unwrap().parse::<f64>().unwrap() as u64
+        };
+        Found { errors: number("errors:", false), states: number("states, stored", true) }
+    }
+}
+
+fn run(program: &Path, arguments: &[&str], folder: &Path) -> String {
+    let named = program.display();
+    let output = Command::new(program).args(arguments).current_dir(folder).output();
+    let output = output.unwrap_or_else(|error| panic!("{named}: {error}"));
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        output.status.success(),
+        "{named} {arguments:?}: {}\n{text}\n{}",
+        output.status,
+        String::from_utf8_lossy(&output.stderr)
+    );
+    text
+}
