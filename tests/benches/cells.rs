@@ -3,66 +3,77 @@
 //! `cargo bench -p genom-tests --bench cells [-- KILLS]`; 100 kills of each unless told otherwise.
 //! A component in a cell that reads a port of another cell is killed again and again; a third one
 //! beside them, and one of the daemon's own, have a task of 1 kHz. Printed: the time from the kill
-//! until the cell answers, and until its in port is connected again; periods that the others missed;
-//! descriptors of the daemon. Then the daemon is killed as often. The tasks of 1 kHz are real-time where
-//! that is permitted (`CAP_SYS_NICE`). The programs are built with `--release`.
+//! until what `on_failure` says was done of components elsewhere, until the cell answers, and until
+//! its in port is connected again; periods that the others missed; descriptors of the daemon. Then
+//! the daemon is killed as often. The tasks of 1 kHz are real-time where that is permitted
+//! (`CAP_SYS_NICE`). The programs are built with `--release`.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::expect_used, clippy::print_stdout, reason = "a benchmark")]
 
-use std::path::Path;
-use std::process::Command;
 use std::time::{Duration, Instant};
 
-use genom_tests::{Footprint, Home, Running, component, release, request};
-use serde_json::Value;
+use genom_tests::trial::FAST;
+use genom_tests::{Footprint, Home, component, release, until};
+use rustix::process::{Pid, Signal, kill_process};
 
 fn main() {
     let mut words = std::env::args().skip(1).filter_map(|word| word.parse().ok());
     let kills: usize = words.next().unwrap_or(100);
-    let genomd = release();
-    let home = Home::new().configured(&configuration());
-    let mut daemon = Some(start(&genomd, &home));
-    wait(&home, "/ready?wait=30&deployed=true");
+    let _ = release();
+    let mut daemon = Home::new().configured(&configuration()).start(&[]);
+    assert_eq!(daemon.home().get("/ready?wait=30&deployed=true")["ready"], true, "all is wired");
     // What the machine itself lets a task miss: nobody in this daemon's processes is killed.
-    let apart = Home::new().configured(&task_of_1_khz("apart"));
-    let _apart = start(&genomd, &apart);
-    let missed = [missed(&home, "own"), missed(&home, "beside"), missed(&apart, "apart")];
+    let apart = Home::new().configured(&task_of_1_khz("apart")).start(&[]);
+    let before = [daemon.missed("own"), daemon.missed("beside"), apart.missed("apart")];
+    let mut reactions = [Vec::new(), Vec::new()];
+    let mut seen = Vec::new();
     let mut answers = Vec::new();
     let mut wired = Vec::new();
     for _ in 0..kills {
-        let pid = pid(&home, "base");
+        let home = daemon.home();
+        let killed = pid(home, "base").expect("a process");
+        let mut events = daemon.events();
         let begin = Instant::now();
-        signal(pid);
-        until(|| pid_now(&home, "base").is_some_and(|now| now != pid));
+        kill(killed);
+        for _ in 0..2 {
+            let told = events.wait_for(|event| event["event"] == "failure_reaction");
+            assert!(told["error"].is_null(), "{told}");
+            let place = usize::from(told["reaction"] == "call beside/set_speed");
+            reactions[place].push(begin.elapsed());
+            seen.push(Duration::from_secs_f64(told["seconds"].as_f64().expect("a number")));
+        }
+        until("the cell runs", || pid(home, "base").is_some_and(|now| now != killed));
         answers.push(begin.elapsed());
-        until(|| get(&home, "/components/demo/ports/parameter")["connected"] == "mission/gain");
+        let port = || home.get("/components/demo/ports/parameter");
+        until("it is wired", || port()["connected"] == "mission/gain");
         wired.push(begin.elapsed());
     }
     println!("{kills} kills of a cell");
+    let [own, beside] = &mut reactions;
+    line("  until a service of the daemon's own component was called, and that told", own);
+    line("  until a service of a component in another cell was called, and that told", beside);
+    line("  of that, since the daemon saw that the process had ended", &mut seen);
     line("  until it answers", &mut answers);
     line("  until it is configured and wired", &mut wired);
-    told("  missed by the daemon's own task of 1 kHz", missed_since(&home, "own", missed[0]));
-    told("  missed by the task of another cell", missed_since(&home, "beside", missed[1]));
-    told("  missed by the task of a daemon apart", missed_since(&apart, "apart", missed[2]));
-    let held = Footprint::of(daemon.as_ref().map_or(0, Running::id));
-    println!("  descriptors of the daemon: {}", held.descriptors);
-    let before = [missed_since(&home, "beside", 0), missed_since(&apart, "apart", 0)];
-    let cell = pid(&home, "beside");
+    told("  missed by the daemon's own task of 1 kHz", daemon.missed("own") - before[0]);
+    told("  missed by the task of another cell", daemon.missed("beside") - before[1]);
+    told("  missed by the task of a daemon apart", apart.missed("apart") - before[2]);
+    println!("  descriptors of the daemon: {}", Footprint::of(daemon.process().id()).descriptors);
+    let before = [daemon.missed("beside"), apart.missed("apart")];
+    let cell = pid(daemon.home(), "beside");
     let mut adopted = Vec::new();
     for _ in 0..kills {
         let begin = Instant::now();
         // The next one listens on the same socket as soon as this one is gone.
-        drop(daemon.take());
-        daemon = Some(start(&genomd, &home));
+        daemon = daemon.abandon().start(&[]);
         adopted.push(begin.elapsed());
     }
     println!("{kills} kills of the daemon");
     line("  until the next one answers for its cells", &mut adopted);
-    told("  missed by the task of a cell", missed_since(&home, "beside", before[0]));
-    told("  missed by the task of a daemon apart", missed_since(&apart, "apart", before[1]));
-    println!("  the same process all along: {}", pid(&home, "beside") == cell);
-    drop(daemon);
+    told("  missed by the task of a cell", daemon.missed("beside") - before[0]);
+    told("  missed by the task of a daemon apart", apart.missed("apart") - before[1]);
+    println!("  the same process all along: {}", pid(daemon.home(), "beside") == cell);
 }
 
 /// A writer and a reader in two cells, and two bystanders with tasks of 1 kHz.
@@ -74,6 +85,8 @@ fn configuration() -> String {
     format!(
         "[cells]\nrestart_most = 1000000\nrestart_delay = 0.0\n{own}{beside}\
          [[component]]\nlibrary = {demo:?}\ncell = \"base\"\n\
+         [[component.on_failure]]\ncall = \"own/set_speed\"\ninputs = {{ velocity = 0.5 }}\n\
+         [[component.on_failure]]\ncall = \"beside/set_speed\"\ninputs = {{ velocity = 0.5 }}\n\
          [[component]]\nlibrary = {mission:?}\ncell = \"brain\"\n\
          [[connection]]\nin = \"demo/parameter\"\nout = \"mission/gain\"\n\
          [[connection]]\nin = \"mission/goto\"\nout = \"demo/goto\"\n"
@@ -83,59 +96,20 @@ fn configuration() -> String {
 /// A demo whose task is real-time and at 1 kHz.
 fn task_of_1_khz(name: &str) -> String {
     let demo = component("demo").library;
-    format!(
-        "[[component]]\nlibrary = {demo:?}\nname = {name:?}\n\
-         [component.tasks.main]\nperiod_ms = 1.0\nreal_time = true\npriority = 10\n"
-    )
+    format!("[[component]]\nlibrary = {demo:?}\nname = {name:?}\n{FAST}")
 }
 
-fn start(genomd: &Path, home: &Home) -> Running {
-    let mut command = Command::new(genomd);
-    command.arg("--config").arg(home.path().join("genomd.toml"));
-    command.arg("--socket").arg(home.socket());
-    let daemon = Running::start(&mut command);
-    daemon.error_line_where(|line| line.contains("ready on "));
-    daemon
-}
-
-fn get(home: &Home, path: &str) -> Value {
-    request(&home.socket(), "GET", path, "").body
-}
-
-fn wait(home: &Home, path: &str) {
-    assert_eq!(get(home, path)["ready"], true, "everything is wired");
-}
-
-fn until(mut so: impl FnMut() -> bool) {
-    let end = Instant::now() + Duration::from_secs(30);
-    while !so() {
-        assert!(Instant::now() < end, "it does not come back");
-    }
-}
-
-fn pid_now(home: &Home, cell: &str) -> Option<u64> {
-    let cells = get(home, "/cells");
+/// The process of a cell that runs.
+fn pid(home: &Home, cell: &str) -> Option<u64> {
+    let cells = home.get("/cells");
     let found = cells["cells"].as_array()?.iter().find(|one| one["name"] == cell)?.clone();
     found["pid"].as_u64().filter(|_| found["state"] == "running")
 }
 
-fn pid(home: &Home, cell: &str) -> u64 {
-    pid_now(home, cell).expect("a process")
-}
-
-fn signal(pid: u64) {
-    let sent = Command::new("kill").args(["-s", "KILL", &pid.to_string()]).status();
-    assert!(sent.expect("kill runs").success());
-}
-
-fn missed(home: &Home, component: &str) -> u64 {
-    let tasks = get(home, &format!("/components/{component}/tasks"));
-    let tasks = tasks["tasks"].as_array().expect("tasks").iter();
-    tasks.map(|task| task["overruns"].as_u64().expect("a number")).sum()
-}
-
-fn missed_since(home: &Home, component: &str, before: u64) -> u64 {
-    missed(home, component) - before
+/// Without a program of its own, which would take a part of what is measured.
+fn kill(pid: u64) {
+    let pid = i32::try_from(pid).ok().and_then(Pid::from_raw).expect("a process");
+    kill_process(pid, Signal::KILL).expect("it is ours");
 }
 
 fn told(what: &str, periods: u64) {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 
-use genom_components::{Artifact, Paths, build, build_programs};
+use genom_components::{Artifact, Paths, Purpose, build, build_programs};
 
 use crate::Running;
 
@@ -14,7 +14,7 @@ pub fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ is in the repository").to_owned()
 }
 
-/// Files of the repository with an extension, sorted; without those that cargo and git create.
+/// Files of the repository with an extension, sorted; without those that cargo, npm and git create.
 ///
 /// # Panics
 /// If there are none.
@@ -26,7 +26,8 @@ pub fn files(extension: &str) -> Vec<PathBuf> {
         for entry in std::fs::read_dir(&directory).unwrap() {
             let path = entry.unwrap().path();
             let name = path.file_name().unwrap().to_string_lossy().into_owned();
-            if path.is_dir() && !name.starts_with('.') && name != "target" {
+            if path.is_dir() && !name.starts_with('.') && name != "target" && name != "node_modules"
+            {
                 directories.push(path);
             } else if path.extension().is_some_and(|found| found == extension) {
                 found.push(path);
@@ -54,7 +55,8 @@ pub fn program(name: &str) -> PathBuf {
     }
     static BUILT: OnceLock<[PathBuf; 2]> = OnceLock::new();
     let [genomd, genomctl] = BUILT.get_or_init(|| {
-        build_programs(paths(), ["genomd", "genomctl"]).unwrap_or_else(|error| panic!("{error}"))
+        build_programs(paths(), ["genomd", "genomctl"], Purpose::Test)
+            .unwrap_or_else(|error| panic!("{error}"))
     });
     match name {
         "genomd" => genomd.clone(),
@@ -97,6 +99,23 @@ pub fn fixture(folder: &str, name: &str, into: &Path) -> String {
     compiler.arg(source.join(file("c"))).arg("-o").arg(into.join(file("so")));
     Running::start(&mut compiler).finish().expect_code(0);
     path(&into.join(file("gen"))).to_owned()
+}
+
+/// Copies a folder with all below it.
+///
+/// # Panics
+/// If something cannot be read or written.
+pub fn copy_folder(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).expect("a folder can be made");
+    for entry in std::fs::read_dir(from).expect("the folder can be listed") {
+        let from = entry.expect("the folder can be listed").path();
+        let to = to.join(from.file_name().expect("a file has a name"));
+        if from.is_dir() {
+            copy_folder(&from, &to);
+        } else {
+            std::fs::copy(&from, &to).expect("a file can be copied");
+        }
+    }
 }
 
 /// A path as a command line argument.

@@ -6,6 +6,8 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use crate::signal;
+
 /// A test step that takes longer counts as hanging.
 pub const WATCHDOG: Duration = Duration::from_secs(60);
 
@@ -130,12 +132,9 @@ impl Running {
     }
 
     /// Sends a signal by its name: `TERM`, `INT`, `KILL`.
+    #[track_caller]
     pub fn signal(&self, name: &str) {
-        let status = Command::new("kill")
-            .args(["-s", name, &self.child.id().to_string()])
-            .status()
-            .expect("kill runs");
-        assert!(status.success(), "{}: could not be signalled", self.what);
+        assert!(signal(self.child.id(), name), "{}: could not be signalled", self.what);
     }
 
     /// Waits for its end.
@@ -171,7 +170,7 @@ impl Running {
         // watchdog.
         let watchdog = thread::spawn(move || {
             if watched.recv_timeout(longest) == Err(RecvTimeoutError::Timeout) {
-                let _ = Command::new("kill").args(["-s", "KILL", &pid.to_string()]).status();
+                signal(pid, "KILL");
                 return true;
             }
             false

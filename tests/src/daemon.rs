@@ -9,7 +9,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::command::{Finished, Running};
-use crate::{path, program, repository};
+use crate::{path, program, repository, signal};
 
 /// Shared memory that only the daemons of one test use.
 #[derive(Debug)]
@@ -25,7 +25,9 @@ impl Memory {
         static NUMBER: AtomicU32 = AtomicU32::new(0);
         let number = NUMBER.fetch_add(1, Ordering::Relaxed);
         let prefix = format!("gt{}_{number}_", std::process::id());
-        Self { root: TempDir::new().expect("a directory can be made"), prefix }
+        // In memory, as where `/run/user` is: iceoryx2 synchronises its files.
+        let root = tempfile::Builder::new().prefix("genomd-test-").tempdir_in("/dev/shm");
+        Self { root: root.expect("a directory can be made"), prefix }
     }
 
     /// Root folder of iceoryx2's files.
@@ -135,6 +137,13 @@ impl Home {
         self.scratch.path()
     }
 
+    /// What the daemon here answers to `GET path`, whatever the status.
+    #[must_use]
+    #[track_caller]
+    pub fn get(&self, path: &str) -> Value {
+        crate::request(&self.socket(), "GET", path, "").body
+    }
+
     /// Adds to the configuration: `text` comes first in the file.
     #[must_use]
     pub fn configured(self, text: &str) -> Self {
@@ -206,10 +215,14 @@ impl Drop for Home {
         let mut all = self.socket().into_os_string();
         all.push(".cells");
         for cell in std::fs::read_dir(all).into_iter().flatten().flatten() {
-            let Ok(pid) = std::fs::read_to_string(cell.path().join("pid")) else { continue };
+            let pid = cell.path().join("pid");
+            // A test may have put a pipe there.
+            let Some(Ok(pid)) = pid.is_file().then(|| std::fs::read_to_string(pid)) else {
+                continue;
+            };
             let arguments = std::fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
             if arguments.windows(10).any(|word| word == b"--run-cell") {
-                let _ = Command::new("kill").args(["-s", "KILL", &pid]).status();
+                signal(pid, "KILL");
             }
         }
     }

@@ -11,6 +11,7 @@
 )]
 
 pub mod bare;
+pub mod browser;
 mod build;
 mod command;
 pub mod conformance;
@@ -21,15 +22,19 @@ pub mod faults;
 pub mod fleet;
 mod http;
 mod many;
+pub mod reloads;
+pub mod siege;
+mod signal;
 mod transcript;
 pub mod trial;
 mod until;
 
-pub use build::{component, files, fixture, path, program, release, repository};
+pub use build::{component, copy_folder, files, fixture, path, program, release, repository};
 pub use command::{Finished, Running, WATCHDOG};
 pub use counts::{Counts, step};
 pub use daemon::{Daemon, Home, Memory};
 pub use http::{Events, Reply, connect, request};
 pub use many::{Footprint, Many, processor_time};
+pub use signal::signal;
 pub use transcript::transcript;
 pub use until::{until, until_answer};

@@ -24,6 +24,19 @@ pub(crate) fn library(paths: &Paths, recipe: &Recipe, library: &Path) -> Result<
     copy_if_changed(built.as_std_path(), library)
 }
 
+/// What programs are built for.
+///
+/// Cargo gives dependencies the features that all packages of one build ask for, with those of
+/// tests if there is a test among them. Other packages mean other features, and that zenoh,
+/// iceoryx2 and others are compiled once more, which takes minutes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// To be used: with the features that the programs themselves ask for.
+    Use,
+    /// To be tested: with the features that `cargo test --workspace` has compiled already.
+    Test,
+}
+
 /// Builds programs of the workspace, each from the package of its name, and returns their paths.
 ///
 /// This may take minutes; cargo's progress goes to standard error.
@@ -33,8 +46,14 @@ pub(crate) fn library(paths: &Paths, recipe: &Recipe, library: &Path) -> Result<
 pub fn build_programs<const N: usize>(
     paths: &Paths,
     names: [&str; N],
+    purpose: Purpose,
 ) -> Result<[PathBuf; N], BuildError> {
-    let arguments: Vec<&str> = names.iter().flat_map(|name| ["--package", *name]).collect();
+    let (option, mut arguments) = match purpose {
+        Purpose::Use => ("--package", Vec::new()),
+        // Any test will do; this one is of the package that has this function.
+        Purpose::Test => ("--bin", vec!["--workspace", "--test", "builds"]),
+    };
+    arguments.extend(names.iter().flat_map(|name| [option, *name]));
     let artifacts = cargo_build(paths, Progress::Shown, &arguments)?;
     let mut programs = std::array::from_fn(|_| PathBuf::new());
     for (name, program) in names.iter().zip(&mut programs) {

@@ -7,7 +7,9 @@
 
 mod cargo;
 mod compile;
+pub mod debian;
 mod error;
+pub mod node;
 mod paths;
 pub mod peer;
 pub mod python;
@@ -15,9 +17,9 @@ mod recipe;
 pub mod ros2;
 
 use std::fs::File;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-pub use cargo::build_programs;
+pub use cargo::{Purpose, build_programs};
 pub use error::BuildError;
 pub use paths::Paths;
 use paths::copy_if_changed;
@@ -90,6 +92,12 @@ fn make(paths: &Paths, recipe: &Recipe) -> Result<Artifact, BuildError> {
             _ => directory.join(source.file_name().unwrap_or_default()),
         };
         copy_if_changed(source, &name)?;
+    }
+    for source in &recipe.shared {
+        let folder = source.parent().and_then(Path::file_name).unwrap_or_default();
+        let folder = paths.target.join("components").join(folder);
+        std::fs::create_dir_all(&folder).map_err(BuildError::file(&folder))?;
+        copy_if_changed(source, &folder.join(source.file_name().unwrap_or_default()))?;
     }
     Ok(artifact)
 }

@@ -24,8 +24,11 @@ pub(crate) struct Recipe {
     pub(crate) language: Language,
     /// The directory of its `.gen` file, which is on the include path.
     pub(crate) directory: PathBuf,
-    /// The `.gen` file and those it includes; they are copied beside the library.
+    /// The `.gen` file and those beside it; they are copied beside the library.
     pub(crate) descriptions: Vec<PathBuf>,
+    /// Files of another directory of `components/` that descriptions include; they are copied to
+    /// the directory of the same name under `target/components/`.
+    pub(crate) shared: Vec<PathBuf>,
 }
 
 impl Recipe {
@@ -38,7 +41,20 @@ impl Recipe {
             language: Language::C,
             directory,
             descriptions,
+            shared: Vec::new(),
         })
+    }
+
+    /// The same, with files that its description includes from elsewhere.
+    fn sharing(mut self, shared: &[PathBuf]) -> Self {
+        self.shared = shared.to_vec();
+        self
+    }
+
+    /// The same, with codels in Rust.
+    fn in_rust(mut self) -> Self {
+        self.language = Language::Rust;
+        self
     }
 
     /// The sources of its codels.
@@ -56,13 +72,17 @@ impl Recipe {
 pub(crate) fn all(root: &Path) -> Result<Vec<Recipe>, BuildError> {
     let components = root.join("components");
     let demo = components.join("demo");
+    let images = files(&components.join("images"), &["idl"])?;
     let mut recipes = vec![
         Recipe::new("demo", "demo", demo.clone())?,
         Recipe::new("demo-2010", "demo", demo.join("papers/2010"))?,
         Recipe::new("demo-2011", "demo", demo.join("papers/2011"))?,
-        Recipe { language: Language::Rust, ..Recipe::new("demo-rs", "demo-rs", demo)? },
+        Recipe::new("demo-rs", "demo-rs", demo)?.in_rust(),
         Recipe::new("demo-cpp", "demo-cpp", components.join("demo-cpp"))?,
         Recipe::new("mission", "mission", components.join("mission"))?,
+        Recipe::new("camera", "camera", components.join("camera"))?.sharing(&images),
+        Recipe::new("stereo", "stereo", components.join("stereo"))?.sharing(&images).in_rust(),
+        Recipe::new("viewer", "viewer", components.join("viewer"))?.sharing(&images).in_rust(),
     ];
     for directory in folders(&components.join("faults"))? {
         let name = directory.file_name().unwrap_or_default().to_string_lossy().into_owned();

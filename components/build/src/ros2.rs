@@ -25,9 +25,17 @@ const JAZZY: [&str; 7] = [
 /// # Errors
 /// ROS cannot be installed.
 pub fn node(domain: u32, types: Option<&Path>) -> Result<Command, BuildError> {
+    script(&Paths::of_workspace()?.root.join("components/build/ros2/node.py"), domain, types)
+}
+
+/// A process that runs a script with `rclpy` in the given domain. `types` is a result of [`types`].
+///
+/// # Errors
+/// ROS cannot be installed.
+pub fn script(file: &Path, domain: u32, types: Option<&Path>) -> Result<Command, BuildError> {
     let mut command = Command::new(python::environment(&JAZZY)?);
     command
-        .arg(Paths::of_workspace()?.root.join("components/build/ros2/node.py"))
+        .arg(file)
         .env("ROS_DOMAIN_ID", domain.to_string())
         .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         .env("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp")

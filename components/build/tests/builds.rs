@@ -30,6 +30,7 @@ fn every_component_lies_with_its_description_under_target() {
     assert!(components.join("demo/demo.so").is_file());
     assert!(components.join("demo-rs/demo-rs.gen").is_file());
     assert!(components.join("demo-2011/demo-types.idl").is_file());
+    assert!(components.join("images/images.idl").is_file());
     for artifact in built {
         assert_eq!(artifact.library.parent().unwrap(), components.join(&artifact.name));
         assert_eq!(artifact.library.with_extension("gen"), artifact.description);
@@ -61,9 +62,9 @@ fn a_changed_source_is_built_again_and_an_error_names_the_line() {
     let workspace = Paths::of_workspace().unwrap();
     let copy = tempfile::tempdir().unwrap();
     let root = copy.path();
-    for folder in
-        ["components/demo", "components/demo-cpp", "components/mission", "plugin-api/include"]
-    {
+    let components = ["demo", "demo-cpp", "mission", "images", "camera", "stereo", "viewer"];
+    let components = components.map(|name| format!("components/{name}"));
+    for folder in components.iter().map(String::as_str).chain(["plugin-api/include"]) {
         copy_folder(&workspace.root.join(folder), &root.join(folder));
     }
     let paths = Paths { root: root.to_owned(), target: root.join("target") };

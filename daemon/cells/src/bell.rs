@@ -1,16 +1,15 @@
-//! The bell of a daemon: who needs a gateway connects, sends a line with the name of the middleware,
-//! and reads why there is none, or nothing when there is one.
+//! The bell of a daemon: who needs a gateway knocks there, sends a line with the name of the
+//! middleware, and reads why there is none, or nothing when there is one.
 
-use std::fs::{self, Permissions};
 use std::io;
-use std::os::unix::fs::PermissionsExt as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::time::Duration;
 
-use tokio::io::{AsyncBufReadExt as _, AsyncReadExt as _, AsyncWriteExt as _, BufReader};
-use tokio::net::{UnixListener, UnixStream};
+use genom_gateway::Door;
+use tokio::io::{AsyncBufReadExt as _, AsyncReadExt as _, AsyncWriteExt as _, BufReader, Interest};
+use tokio::net::{UnixDatagram, UnixStream};
 use tokio::task::JoinHandle;
 use tokio::time::timeout;
 
@@ -30,50 +29,49 @@ const MOST: usize = 64;
 /// The bell; nobody hears it any more when it is dropped.
 #[derive(Debug)]
 pub(crate) struct Bell {
-    path: PathBuf,
     hearing: JoinHandle<()>,
 }
 
 impl Drop for Bell {
     fn drop(&mut self) {
         self.hearing.abort();
-        let _ = fs::remove_file(&self.path);
     }
 }
 
 impl Bell {
     /// Hangs it up at this path, for this user alone, and starts gateways for who rings.
     pub(crate) fn hang(path: &Path, answers: Arc<Answer>) -> io::Result<Self> {
-        let aside = path.with_extension("gateways.new");
-        for file in [path, aside.as_path()] {
-            // That of a daemon that died.
-            if let Err(error) = fs::remove_file(file)
-                && error.kind() != io::ErrorKind::NotFound
-            {
-                return Err(error);
-            }
-        }
-        let listener = UnixListener::bind(&aside)?;
-        fs::set_permissions(&aside, Permissions::from_mode(0o600))?;
-        fs::rename(&aside, path)?;
-        let hearing = tokio::spawn(hear(listener, answers));
-        Ok(Self { path: path.to_owned(), hearing })
+        let door = Door::open(path)?;
+        let knocks = UnixDatagram::from_std(door.knocks()?)?;
+        let hearing = tokio::spawn(hear(door, knocks, answers));
+        Ok(Self { hearing })
+    }
+
+    /// Takes it down: its door is gone when this returns.
+    pub(crate) async fn take_down(mut self) {
+        self.hearing.abort();
+        // It was aborted.
+        let _ = (&mut self.hearing).await;
     }
 }
 
-async fn hear(listener: UnixListener, answers: Arc<Answer>) {
-    let own = rustix::process::geteuid().as_raw();
+async fn hear(door: Door, knocks: UnixDatagram, answers: Arc<Answer>) {
     let free = Arc::new(tokio::sync::Semaphore::new(MOST));
     loop {
         let Ok(turn) = Arc::clone(&free).acquire_owned().await else { return };
-        let Ok((stream, _)) = listener.accept().await else {
-            tokio::time::sleep(Duration::from_millis(10)).await;
-            continue;
+        let stream = match knocks.async_io(Interest::READABLE, || door.next()).await {
+            Ok(stream) => stream,
+            Err(error) if error.kind() == io::ErrorKind::InvalidData => {
+                tracing::warn!("refused: for a gateway, {error}");
+                continue;
+            }
+            Err(_) => {
+                tokio::time::sleep(Duration::from_millis(10)).await;
+                continue;
+            }
         };
-        if stream.peer_cred().map(|peer| peer.uid()).ok() != Some(own) {
-            tracing::warn!("refused: another user asks for a gateway");
-            continue;
-        }
+        let opened = stream.set_nonblocking(true).and_then(|()| UnixStream::from_std(stream));
+        let Ok(stream) = opened else { continue };
         let answers = Arc::clone(&answers);
         tokio::spawn(async move {
             let _turn = turn;

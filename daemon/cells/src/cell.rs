@@ -150,6 +150,10 @@ impl Cell {
         &self.client
     }
 
+    pub(crate) fn setup(&self) -> &Setup {
+        &self.setup
+    }
+
     pub(crate) fn place(&self) -> &Place {
         &self.place
     }
@@ -330,10 +334,14 @@ impl Cell {
             tracing::error!("cell {cell} ended: {why}; nothing in it is to be restarted");
             None
         } else {
-            let delay = restarts.next(&self.setup.settings, Instant::now());
-            // Others need it for as long as it takes: it is never given up.
-            let longest = self.is_gateway().then_some(self.setup.settings.restart_delay_max);
-            let delay = delay.or(longest);
+            let (settings, now) = (&self.setup.settings, Instant::now());
+            let delay = if self.is_gateway() {
+                let longest = self.setup.config.gateways.longest_delay();
+                let ran = *self.phase.borrow() == CellState::Running;
+                Some(restarts.next_of_gateway(settings, longest, ran, now))
+            } else {
+                restarts.next(settings, now)
+            };
             match delay {
                 Some(delay) => {
                     tracing::warn!(

@@ -1,7 +1,7 @@
 //! The cells of a daemon, by name.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use genom_protocol::{Component, CrashReport, Crashes, LoadRequest, Unloaded, routes};
@@ -15,6 +15,7 @@ use crate::crashes::StoreError;
 use crate::place::{self, Place, PlaceError};
 use crate::process::{Process, left};
 use crate::remains;
+use crate::round::Round;
 use crate::setup::Setup;
 
 /// A cell could not be begun, or a component not be loaded into it.
@@ -48,6 +49,8 @@ pub struct Cells {
     all: Mutex<BTreeMap<String, Arc<Cell>>>,
     /// Rung by processes that need a gateway.
     bell: Mutex<Option<Bell>>,
+    /// Locked while a deployment is applied; then what it did.
+    last_round: tokio::sync::Mutex<Option<Round>>,
 }
 
 impl std::fmt::Debug for Cells {
@@ -60,7 +63,13 @@ impl Cells {
     /// None yet.
     #[must_use]
     pub fn new(setup: Setup) -> Self {
-        Self { setup: Arc::new(setup), all: Mutex::default(), bell: Mutex::default() }
+        let setup = Arc::new(setup);
+        Self {
+            setup,
+            all: Mutex::default(),
+            bell: Mutex::default(),
+            last_round: Default::default(),
+        }
     }
 
     /// Reports of those that crashed.
@@ -111,6 +120,10 @@ impl Cells {
         &self.setup
     }
 
+    pub(crate) fn last_round(&self) -> &tokio::sync::Mutex<Option<Round>> {
+        &self.last_round
+    }
+
     pub(crate) fn bell(&self) -> &Mutex<Option<Bell>> {
         &self.bell
     }
@@ -127,25 +140,25 @@ impl Cells {
         self.all().into_iter().find(|cell| cell.holds(component))
     }
 
-    /// The cell of this name, running; it is begun when it is not there. One that is begun for a
-    /// library may read the directory of it, whatever its sandbox.
+    /// The cell of this name, running; it is begun when it is not there. One that is begun for
+    /// libraries may read the directories of them, whatever its sandbox.
     ///
     /// # Errors
     /// It has no place for its files, or its process does not run.
-    pub async fn open(&self, name: &str, library: Option<&Path>) -> Result<Arc<Cell>, OpenError> {
+    pub async fn open(&self, name: &str, libraries: &[PathBuf]) -> Result<Arc<Cell>, OpenError> {
         let found = self.get(name);
         let cell = match found {
             // It is ending: one that begins takes its place.
             Some(cell) if cell.is_stopping() => {
                 cell.ended().await;
-                return Box::pin(self.open(name, library)).await;
+                return Box::pin(self.open(name, libraries)).await;
             }
             Some(cell) if cell.is_gateway() => {
                 let error = PlaceError::Gateway(name.to_owned());
                 return Err(OpenError::Place(Arc::new(error)));
             }
             Some(cell) => {
-                self.grant(name, cell.place(), library);
+                self.grant(name, cell.place(), libraries);
                 cell.start_again();
                 cell
             }
@@ -156,7 +169,7 @@ impl Cells {
                 };
                 let place = place.and_then(|place| place.make().map(|()| place));
                 let place = place.map_err(|error| OpenError::Place(Arc::new(error)))?;
-                self.grant(name, &place, library);
+                self.grant(name, &place, libraries);
                 self.begin(name, place, None)
             }
         };
@@ -167,37 +180,34 @@ impl Cells {
         Ok(cell)
     }
 
-    /// Lets a cell in a sandbox read where its library is.
-    fn grant(&self, name: &str, place: &Place, library: Option<&Path>) {
-        let sandbox = || self.setup.config.limits_of(name).is_sandbox();
-        let file = library.filter(|file| file.components().count() > 1 && sandbox());
-        let Some(Ok(file)) = file.map(std::path::absolute) else { return };
-        if let Some(directory) = file.parent()
-            && let Err(error) = place.grant(directory)
-        {
-            tracing::warn!("cell {name}: {}: {error}", place.libraries().display());
+    /// Lets a cell in a sandbox read where its libraries are.
+    fn grant(&self, name: &str, place: &Place, libraries: &[PathBuf]) {
+        if !self.setup.config.limits_of(name).is_sandbox() {
+            return;
+        }
+        for file in libraries.iter().filter(|file| file.components().count() > 1) {
+            let Ok(file) = std::path::absolute(file) else { continue };
+            if let Some(directory) = file.parent()
+                && let Err(error) = place.grant(directory)
+            {
+                tracing::warn!("cell {name}: {}: {error}", place.libraries().display());
+            }
         }
     }
 
     /// Starts the cells of these components that are not there, side by side: most of the time of a start
     /// goes by in the new process.
     pub async fn open_all(self: &Arc<Self>, requests: impl IntoIterator<Item = &LoadRequest>) {
-        let requests: Vec<&LoadRequest> = requests.into_iter().collect();
-        for request in &requests {
-            if let Some(name) = request.cell.as_deref()
-                && let Ok(place) = Place::new(&place::of_all(&self.setup.socket), name)
-                && place.make().is_ok()
-            {
-                self.grant(name, &place, Some(&request.library));
-            }
+        let mut libraries: BTreeMap<String, Vec<PathBuf>> = BTreeMap::new();
+        for request in requests {
+            let Some(name) = request.cell.clone() else { continue };
+            libraries.entry(name).or_default().push(request.library.clone());
         }
-        let names: BTreeSet<&str> =
-            requests.iter().filter_map(|request| request.cell.as_deref()).collect();
         let mut opening = JoinSet::new();
-        for name in names {
-            let (cells, name) = (Arc::clone(self), name.to_owned());
+        for (name, libraries) in libraries {
+            let cells = Arc::clone(self);
             // Whoever loads into one that does not start is told why.
-            opening.spawn(async move { cells.open(&name, None).await.map(drop) });
+            opening.spawn(async move { cells.open(&name, &libraries).await.map(drop) });
         }
         opening.join_all().await;
     }
@@ -215,7 +225,7 @@ impl Cells {
     /// # Errors
     /// The cell is down, or refuses the component.
     pub async fn load(&self, name: &str, request: &LoadRequest) -> Result<Component, OpenError> {
-        let cell = self.open(name, Some(&request.library)).await?;
+        let cell = self.open(name, std::slice::from_ref(&request.library)).await?;
         let turn = cell.changing().await;
         let loaded = cell.tell(&routes::load(), request).await;
         if let Ok(component) = &loaded {

@@ -13,6 +13,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use tokio::net::UnixStream;
 
+use crate::theirs;
+
 /// Why a cell did not do what it was asked.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum AskError {
@@ -49,7 +51,8 @@ impl Client {
         B::Data: Send,
         B::Error: Into<Box<dyn std::error::Error + Send + Sync>>,
     {
-        let stream = UnixStream::connect(&self.socket).await.map_err(gone)?;
+        let (_held, path) = theirs::socket(&self.socket).map_err(gone)?;
+        let stream = UnixStream::connect(&path).await.map_err(gone)?;
         let (mut sender, connection) =
             http1::handshake(TokioIo::new(stream)).await.map_err(gone)?;
         // It ends when the response's body was read or dropped.

@@ -2,6 +2,7 @@
 //! They are begun when somebody needs them, and end when nobody does.
 
 use std::io;
+use std::path::PathBuf;
 use std::pin::Pin;
 use std::sync::{Arc, PoisonError};
 
@@ -36,6 +37,9 @@ impl Cells {
         if self.setup().config.gateways.of.is_empty() {
             return Ok(());
         }
+        for path in self.doors() {
+            place::make(&path).map_err(io::Error::other)?;
+        }
         let cells = Arc::downgrade(self);
         let answers = move |middleware: String| -> Pin<Box<dyn Future<Output = _> + Send>> {
             let cells = cells.upgrade();
@@ -49,13 +53,28 @@ impl Cells {
     /// Ends all gateways, and starts no more.
     pub async fn stop_gateways(&self) {
         let bell = self.bell().lock().unwrap_or_else(PoisonError::into_inner).take();
-        drop(bell);
+        if let Some(bell) = bell {
+            bell.take_down().await;
+        }
         let all: Vec<_> =
             self.with_gateways().into_iter().filter(|cell| cell.is_gateway()).collect();
         all.iter().for_each(|cell| cell.ask_to_stop());
         for cell in all {
             cell.ended().await;
         }
+        for path in self.doors().iter().rev() {
+            // There is none if there were no gateways.
+            let _ = std::fs::remove_dir(path);
+        }
+    }
+
+    /// The directories of all doors, outer ones first. They stay as long as the daemon runs: that
+    /// of a cell in a sandbox is a grant for a directory, not for a path.
+    fn doors(&self) -> Vec<PathBuf> {
+        let reach = Reach::new(&self.setup().socket);
+        let each = self.setup().config.gateways.of.iter();
+        let each = each.filter_map(|name| Some(reach.door(name).parent()?.to_owned()));
+        std::iter::once(reach.directory()).chain(each).collect()
     }
 
     /// Waits until the gateway of a middleware runs, which is begun if there is none. Else says why
@@ -95,7 +114,11 @@ impl Cells {
             Some(pid) => self.living(name, &place, pid).await,
             None => None,
         };
-        if let Some(found) = process.take_if(|_| !self.setup().wrote_config(name, &place)) {
+        let fits = || {
+            let has_door = place.door().is_some_and(|door| door.exists());
+            has_door && self.setup().wrote_config(name, &place)
+        };
+        if let Some(found) = process.take_if(|_| !fits()) {
             tracing::warn!("{name} runs with another configuration, and is started again");
             found.signal(Signal::KILL);
             found.ended().await;

@@ -1,12 +1,16 @@
 //! What a cell is to hold, as a deployment file: its own process writes it after each change, its
 //! next process reads it.
 
-use std::fs;
-use std::io::{self, Write as _};
+use std::io::{self, ErrorKind};
 use std::path::Path;
 
 use genom_configuration::{Config, ConfigError, Deployment};
 use genom_protocol::RestartPolicy;
+
+use crate::theirs;
+
+/// Most bytes of one. Components come with what they go on with, as in the file of a freeze.
+const MOST: u64 = 2 * genom_protocol::freeze::MOST as u64;
 
 /// Writes what is to be held. A process that dies while it writes leaves the file that was there.
 ///
@@ -14,10 +18,7 @@ use genom_protocol::RestartPolicy;
 /// The system refuses.
 pub fn write(path: &Path, held: &Deployment) -> io::Result<()> {
     let text = toml::to_string(held).map_err(io::Error::other)?;
-    let aside = path.with_extension("new");
-    let mut file = fs::File::create(&aside)?;
-    file.write_all(text.as_bytes())?;
-    fs::rename(&aside, path)
+    theirs::write(path, text.as_bytes())
 }
 
 /// Reads it; nothing is held where there is none yet.
@@ -25,10 +26,11 @@ pub fn write(path: &Path, held: &Deployment) -> io::Result<()> {
 /// # Errors
 /// It is no such file.
 pub fn read(path: &Path) -> Result<Deployment, ConfigError> {
-    if !path.exists() {
-        return Ok(Deployment::default());
-    }
-    let Config { component, connection, call, activity, .. } = Config::read(Some(path), &[])?;
+    let text = match theirs::read(path, MOST) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Deployment::default()),
+        read => read.map_err(|source| ConfigError::Read { path: path.to_owned(), source })?,
+    };
+    let Config { component, connection, call, activity, .. } = Config::of_text(path, &text)?;
     Ok(Deployment { component, connection, call, activity })
 }
 
@@ -51,6 +53,8 @@ pub fn kept(mut held: Deployment, failure: bool) -> Deployment {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use genom_configuration::{CallEntry, ConnectionEntry, LoadRequest};
     use serde_json::json;
 

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use genom_protocol::routes::Route;
 use genom_protocol::{
-    AllAborted, BackendNames, Clock, Component, Components, Connections, PortParameters, Ports,
-    RunningDeployment, StepRequest, routes,
+    AllAborted, BackendNames, CellState, Clock, Component, Components, Connections, PortParameters,
+    Ports, RunningDeployment, StepRequest, routes,
 };
+use genom_supervisor::connections::between_processes;
 use serde::de::DeserializeOwned;
 
 use crate::cell::Cell;
@@ -95,12 +96,13 @@ impl Cells {
         }
     }
 
-    /// Steps the clocks of all cells.
+    /// Steps the clocks of all cells. One that has failed has none until it is started again.
     ///
     /// # Errors
     /// One does not answer: it stays behind.
     pub async fn step(&self, step: &StepRequest) -> Result<(), AskError> {
-        for cell in self.all() {
+        let all = self.all().into_iter();
+        for cell in all.filter(|cell| cell.told().state != CellState::Failed) {
             let _: Clock = cell.tell(&routes::step(), step).await?;
         }
         Ok(())
@@ -108,6 +110,11 @@ impl Cells {
 }
 
 impl Cell {
+    /// The middleware of components that name none.
+    fn backend(&self) -> BackendNames {
+        between_processes(&self.setup().config.backend.as_str().into())
+    }
+
     /// What its journal says it is to hold.
     fn held(&self) -> genom_configuration::Deployment {
         journal::read(&self.place().journal()).unwrap_or_default()
@@ -128,7 +135,7 @@ fn down(cell: &Cell) -> Vec<Component> {
             spins: Vec::new(),
             backend: known
                 .and_then(|known| known.backend.clone())
-                .unwrap_or_else(|| BackendNames::one("shm")),
+                .unwrap_or_else(|| cell.backend()),
             port_backends: Default::default(),
             cell: Some(told.name.clone()),
             library: known.map(|known| known.library.clone()).unwrap_or_default(),

@@ -1,9 +1,8 @@
 //! What makes this process a cell of another daemon: its journal, and what it does when that daemon
 //! ends.
 
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io;
-use std::os::unix::fs::OpenOptionsExt as _;
 use std::os::unix::net::UnixStream as StdStream;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,14 +12,15 @@ use crate::blackbox::Lease;
 use crate::journal;
 use crate::place::Place;
 use crate::snapshots::Snapshots;
-use genom_configuration::{
-    BackendNames, Config, ConfigError, Deployment, LoadRequest, WithoutDaemon,
-};
-use genom_gateway::{Listening, Server};
+use crate::theirs;
+use genom_configuration::{Config, ConfigError, Deployment, LoadRequest, WithoutDaemon};
+use genom_gateway::{Listening, Reach, Server};
 use genom_host::keep_from_children;
 use genom_limits::{Grants, LimitError};
 use genom_supervisor::Supervisor;
+use genom_supervisor::Trials;
 use genom_supervisor::bus::{Change, Heard};
+use genom_supervisor::connections::between_processes;
 use rustix::fs::StatVfsMountFlags;
 use rustix::process::{Resource, Rlimit, Signal, getpid, getrlimit, kill_process, setrlimit};
 use tokio::io::AsyncReadExt as _;
@@ -54,16 +54,16 @@ impl OwnCell {
     pub fn new(config: &Path) -> Result<Self, ConfigError> {
         let place = Place::of_config(config);
         let mut before = journal::read(&place.journal())?;
-        genom_supervisor::reloading::roll_back(&place.trials(), &mut before.component);
+        genom_supervisor::reloading::roll_back(&place.trials(), &mut before);
         let (writing, serves) = (Mutex::default(), Mutex::default());
         let snapshots = Arc::new(Snapshots::new(config.parent().unwrap_or(Path::new("."))));
         Ok(Self { place, before, snapshots, writing, serves })
     }
 
-    /// Where is kept what components ran before a reload.
+    /// How libraries are tried that take the place of others.
     #[must_use]
-    pub fn trials(&self) -> PathBuf {
-        self.place.trials()
+    pub fn trials(&self) -> Trials {
+        Trials { place: self.place.trials(), program: std::env::current_exe().ok() }
     }
 
     /// Prepares for a crash: a note for the daemon, a dump by it if it takes one, and a core dump
@@ -73,9 +73,7 @@ impl OwnCell {
             genom_host::wait_for_dumps_at(dumper);
         }
         let prepare = || {
-            let mut options = OpenOptions::new();
-            options.write(true).create(true).truncate(true).mode(0o600);
-            genom_host::note_crashes_in(options.open(self.place.note())?);
+            genom_host::note_crashes_in(theirs::create(&self.place.note())?);
             let limit = getrlimit(Resource::Core);
             let current = if core { limit.maximum } else { Some(0) };
             Ok::<_, io::Error>(setrlimit(Resource::Core, Rlimit { current, ..limit })?)
@@ -92,7 +90,9 @@ impl OwnCell {
     pub fn serve(&self, supervisor: &Arc<Supervisor>) -> io::Result<()> {
         let Some(middleware) = self.gateway_of() else { return Ok(()) };
         let Some(open) = supervisor.backends.opened(middleware) else { return Ok(()) };
-        let listening = Server::listen(&self.place.ends(), open)?;
+        let Some(door) = self.place.door() else { return Ok(()) };
+        end_with_a_panic();
+        let listening = Server::listen(&door, open)?;
         let (unused, supervisor) = (listening.unused(), Arc::clone(supervisor));
         std::thread::Builder::new().name("gateway-unused".to_owned()).spawn(move || {
             unused();
@@ -117,7 +117,7 @@ impl OwnCell {
     /// attempt would change nothing.
     pub fn cannot_open(&self, why: &str) {
         if self.gateway_of().is_some() {
-            let _ = std::fs::write(self.place.refusal(), why);
+            let _ = theirs::write(&self.place.refusal(), why.as_bytes());
         }
     }
 
@@ -198,6 +198,16 @@ impl OwnCell {
     }
 }
 
+/// From now on a panic of any thread ends this process: a library whose thread is gone, or that has
+/// left a lock behind, passes nothing on any more, and the next process of the gateway does.
+fn end_with_a_panic() {
+    let tell = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        tell(panic);
+        std::process::abort();
+    }));
+}
+
 /// Limits this process to what its configuration grants: called first, before it has threads or
 /// libraries. Returns what does not hold.
 ///
@@ -218,18 +228,23 @@ pub fn limit(file: &Path, config: &Config) -> Result<Vec<String>, OwnLimitError>
     let read = config.path.iter().chain(&config.include).cloned().chain(program).collect();
     let mut write = genom_registry::places(&config.backends);
     write.push(place.to_owned());
-    Ok(genom_limits::apply(limits, &Grants { read, write })?)
+    // A gateway opens its door; others knock there.
+    let door = Place::of_config(file).door();
+    write.extend(door.as_deref().and_then(Path::parent).map(Path::to_owned));
+    let daemon = config.gateways.daemon.as_deref().filter(|_| !config.gateways.of.is_empty());
+    let reach = daemon.map(|daemon| Reach::new(daemon).directory()).into_iter().collect();
+    Ok(genom_limits::apply(limits, &Grants { read, write, reach })?)
 }
 
 /// Tells what of its limits does not hold: once, not at each start of its process.
 pub fn tell_limits(file: &Path, missing: &[String]) {
     let (told, text) = (Place::of_config(file).told(), missing.join("\n"));
-    let before = std::fs::read_to_string(&told).unwrap_or_default();
+    let before = theirs::read(&told, text.len() as u64).unwrap_or_default();
     if before == text {
         return;
     }
     missing.iter().for_each(|line| tracing::warn!("limits of this cell: {line}"));
-    if let Err(error) = std::fs::write(&told, text) {
+    if let Err(error) = theirs::write(&told, text.as_bytes()) {
         tracing::debug!("{}: {error}", told.display());
     }
 }
@@ -251,26 +266,14 @@ pub enum OwnLimitError {
 /// Writes down, for the daemon, why this cell does not run.
 pub fn refuse(file: &Path, why: &str) {
     // The message is on standard error as well.
-    let _ = std::fs::write(Place::of_config(file).refusal(), why);
+    let _ = theirs::write(&Place::of_config(file).refusal(), why.as_bytes());
 }
 
 /// Components of a cell meet those of other processes: what would stay within the daemon goes over
 /// shared memory.
 pub fn share(request: &mut LoadRequest) {
     let all = request.backend.iter_mut().chain(request.ports.values_mut());
-    for names in all.filter(|names| names.has("local")) {
-        let shared = names.names().iter().map(|name| match name.as_str() {
-            "local" => "shm".to_owned(),
-            _ => name.clone(),
-        });
-        let mut unique: Vec<String> = Vec::new();
-        shared.for_each(|name| {
-            if !unique.contains(&name) {
-                unique.push(name);
-            }
-        });
-        *names = BackendNames::from(unique.join("+").as_str());
-    }
+    all.for_each(|names| *names = between_processes(names));
 }
 
 /// The standard input, which the daemon holds open as long as it lives, and what came with it;
@@ -300,6 +303,8 @@ pub async fn outlive(lease: Lease, then: WithoutDaemon, supervisor: Arc<Supervis
 
 #[cfg(test)]
 mod tests {
+    use genom_configuration::BackendNames;
+
     use super::*;
 
     #[test]

@@ -8,12 +8,14 @@ use std::ffi::OsStr;
 use std::fs::{self, DirBuilder};
 use std::io::{self, Read as _};
 use std::os::unix::ffi::OsStrExt as _;
-use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, OpenOptionsExt as _};
+use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _};
 use std::path::{Path, PathBuf};
 
+use genom_gateway::Reach;
 use genom_protocol::Change;
-use rustix::fs::OFlags;
 use serde_json::Value;
+
+use crate::theirs;
 
 /// Longest path of a Unix socket, in bytes (`sun_path`, with its final 0).
 const LONGEST: usize = 107;
@@ -58,6 +60,20 @@ pub fn of_all(socket: &Path) -> PathBuf {
     name.into()
 }
 
+/// Makes a directory for this user alone.
+pub(crate) fn make(path: impl AsRef<Path>) -> Result<(), PlaceError> {
+    let path = path.as_ref();
+    let failed = |source| PlaceError::Io { path: path.to_owned(), source };
+    DirBuilder::new().recursive(true).mode(0o700).create(path).map_err(failed)?;
+    let found = fs::symlink_metadata(path).map_err(failed)?;
+    let ours = found.uid() == rustix::process::geteuid().as_raw();
+    if found.is_dir() && ours && found.mode() & 0o077 == 0 {
+        Ok(())
+    } else {
+        Err(PlaceError::Foreign(path.to_owned()))
+    }
+}
+
 impl Place {
     /// The place of a cell; nothing is made yet.
     ///
@@ -98,16 +114,7 @@ impl Place {
     /// # Errors
     /// The system refuses, or somebody else made it before.
     pub fn make(&self) -> Result<(), PlaceError> {
-        for path in self.0.parent().into_iter().chain([self.0.as_path()]) {
-            let failed = |source| PlaceError::Io { path: path.to_owned(), source };
-            DirBuilder::new().recursive(true).mode(0o700).create(path).map_err(failed)?;
-            let found = fs::symlink_metadata(path).map_err(failed)?;
-            let ours = found.uid() == rustix::process::geteuid().as_raw();
-            if !found.is_dir() || !ours || found.mode() & 0o077 != 0 {
-                return Err(PlaceError::Foreign(path.to_owned()));
-            }
-        }
-        Ok(())
+        self.0.parent().into_iter().chain([self.0.as_path()]).try_for_each(make)
     }
 
     /// Where is kept what components ran before a reload.
@@ -145,9 +152,11 @@ impl Place {
         self.0.join("config.toml")
     }
 
-    /// Of a gateway: where those who use it connect.
-    pub(crate) fn ends(&self) -> PathBuf {
-        self.0.join("ends")
+    /// Of a gateway: where those who use it knock.
+    pub(crate) fn door(&self) -> Option<PathBuf> {
+        let middleware = genom_gateway::middleware_of(self.name()?)?;
+        // Beside the directory of all cells, by the daemon's socket.
+        Some(Reach::new(&self.0.parent()?.with_extension("")).door(middleware))
     }
 
     /// What it is to hold.
@@ -221,7 +230,8 @@ impl Place {
     /// Writes down, for the daemon, why a cell ends itself: a rule of its supervision was broken.
     pub(crate) fn write_broken_rule(&self, violation: &Change, why: &str) -> io::Result<()> {
         let event = serde_json::to_string(violation).map_err(io::Error::other)?;
-        fs::write(self.broken_rule(), format!("{}\n{event}", why.replace('\n', " ")))
+        let text = format!("{}\n{event}", why.replace('\n', " "));
+        theirs::write(&self.broken_rule(), text.as_bytes())
     }
 
     /// What it wrote there: why, and the event that tells the violation. The file is removed.
@@ -249,13 +259,9 @@ const MOST: u64 = 4096;
 /// place: what is no file is not read.
 fn taken(file: &Path) -> Option<String> {
     let mut text = Vec::new();
-    let flags = OFlags::NOFOLLOW | OFlags::NONBLOCK;
-    let flags = i32::try_from(flags.bits()).unwrap_or_default();
-    let opened = fs::File::options().read(true).custom_flags(flags).open(file);
+    let opened = theirs::open(file);
     let _ = fs::remove_file(file);
-    let opened =
-        opened.ok().filter(|opened| opened.metadata().is_ok_and(|found| found.is_file()))?;
-    opened.take(MOST).read_to_end(&mut text).ok()?;
+    opened.ok()?.take(MOST).read_to_end(&mut text).ok()?;
     let text = String::from_utf8_lossy(&text);
     Some(text.chars().map(|c| if c.is_control() && c != '\n' { ' ' } else { c }).collect())
 }

@@ -10,6 +10,8 @@ use genom_configuration::CellSettings;
 pub(crate) struct Restarts {
     /// When the last ones were decided, oldest first; only those within the window.
     recent: VecDeque<Instant>,
+    /// How often a gateway ended in a row without having run.
+    in_vain: i32,
 }
 
 impl Restarts {
@@ -23,15 +25,39 @@ impl Restarts {
         }
         let before = i32::try_from(self.recent.len()).unwrap_or(i32::MAX);
         self.recent.push_back(now);
-        let delay = settings.restart_delay.as_secs_f64() * settings.restart_factor.powi(before);
-        let greatest = settings.restart_delay_max;
-        Some(Duration::try_from_secs_f64(delay).map_or(greatest, |delay| delay.min(greatest)))
+        Some(grown(settings, settings.restart_delay, before).min(settings.restart_delay_max))
+    }
+
+    /// The same for a gateway, which others need for as long as it takes: it is never given up. One
+    /// that ran is back soon, however often it ended. One that did not even start waits longer each
+    /// time, so that its starts take no processor.
+    pub(crate) fn next_of_gateway(
+        &mut self,
+        settings: &CellSettings,
+        longest: Duration,
+        ran: bool,
+        now: Instant,
+    ) -> Duration {
+        if ran {
+            self.in_vain = 0;
+            return self.next(settings, now).unwrap_or(longest).min(longest);
+        }
+        let delay = grown(settings, longest, self.in_vain);
+        self.in_vain = self.in_vain.saturating_add(1);
+        delay.min(settings.restart_delay_max.max(longest))
     }
 
     /// Somebody asked for a start: what was before counts no more.
     pub(crate) fn forget(&mut self) {
         self.recent.clear();
+        self.in_vain = 0;
     }
+}
+
+/// A delay after so many ones before it.
+fn grown(settings: &CellSettings, delay: Duration, before: i32) -> Duration {
+    let delay = delay.as_secs_f64() * settings.restart_factor.powi(before);
+    Duration::try_from_secs_f64(delay).unwrap_or(Duration::MAX)
 }
 
 /// At most so many things in a second.
@@ -87,6 +113,29 @@ mod tests {
         let waits: Vec<_> = (0..4).map(|_| restarts.next(&settings(), now)).collect();
         let ms = |ms| Some(Duration::from_millis(ms));
         assert_eq!(waits, [ms(20), ms(80), ms(320), ms(1000)]);
+    }
+
+    #[test]
+    fn a_gateway_that_ran_is_back_soon_however_often_it_ended() {
+        let (mut restarts, now) = (Restarts::default(), Instant::now());
+        let longest = Duration::from_millis(250);
+        let waits: Vec<_> = (0..100)
+            .map(|_| restarts.next_of_gateway(&settings(), longest, true, now).as_millis())
+            .collect();
+        assert_eq!(waits[..3], [20, 80, 250]);
+        assert!(waits[3..].iter().all(|&wait| wait == 250), "{waits:?}");
+    }
+
+    #[test]
+    fn a_gateway_that_does_not_start_waits_longer_each_time_until_it_ran() {
+        let (mut restarts, now) = (Restarts::default(), Instant::now());
+        // Also where cells start again at once.
+        let at_once = CellSettings { restart_delay: Duration::ZERO, ..settings() };
+        let mut wait = |ran| {
+            restarts.next_of_gateway(&at_once, Duration::from_millis(100), ran, now).as_millis()
+        };
+        assert_eq!([(); 5].map(|()| wait(false)), [100, 400, 1000, 1000, 1000]);
+        assert_eq!([wait(true), wait(false), wait(false)], [0, 100, 400]);
     }
 
     #[test]

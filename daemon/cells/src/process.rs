@@ -23,9 +23,13 @@ use crate::crashes::Dump;
 use crate::end::End;
 use crate::place::Place;
 use crate::remains;
+use crate::theirs;
 
 /// Stack of the thread that waits for an end, in bytes.
 const STACK: usize = 64 * 1024;
+
+/// Most bytes of the number of a process.
+const LONGEST: u64 = 32;
 
 /// The process of a cell, this daemon's child or that of a daemon before it.
 #[derive(Debug)]
@@ -75,7 +79,7 @@ impl Process {
             dump.await_request(pid.as_raw_nonzero().get(), ours)?;
         }
         // For a daemon that comes after this one, when the cell does not answer it.
-        fs::write(place.pid(), pid.as_raw_nonzero().to_string())?;
+        theirs::write(&place.pid(), pid.as_raw_nonzero().to_string().as_bytes())?;
         Ok(Self { dump, ..Self::of(pid, Some(lease), Some(place))? })
     }
 
@@ -149,7 +153,7 @@ fn status(handle: &OwnedFd) -> End {
 
 /// The process that a dead daemon left at a place, if it still is one of its cells.
 pub(crate) fn left(place: &Place, name: &str) -> Option<u32> {
-    let pid: u32 = fs::read_to_string(place.pid()).ok()?.trim().parse().ok()?;
+    let pid: u32 = theirs::read(&place.pid(), LONGEST).ok()?.trim().parse().ok()?;
     // The number may have been given to another process since.
     let arguments = fs::read(PathBuf::from(format!("/proc/{pid}/cmdline"))).ok()?;
     let mut words = arguments.split(|byte| *byte == 0);

@@ -8,11 +8,12 @@ use genom_protocol::frames::{Channel, End, Frame, Lost, Sample};
 use genom_protocol::{Address, RecordingRequest, Subject, routes};
 use http_body_util::BodyExt as _;
 use hyper::body::{Bytes, Incoming};
-use tokio::sync::mpsc;
+use tokio::sync::{mpsc, watch};
 use tokio::time::timeout;
 
 use crate::cell::Cell;
 use crate::cells::{Cells, OpenError};
+use crate::client::AskError;
 
 /// Changes of cells are told on by the daemon, which records them with its own.
 const CHANGES: &str = "/genom/changes";
@@ -31,7 +32,23 @@ const OWN: usize = 0;
 
 /// Recordings of cells that have begun.
 pub struct Recorded {
-    cells: Vec<(Arc<Cell>, Incoming)>,
+    cells: Vec<Begun>,
+}
+
+/// A recording of a cell.
+struct Begun {
+    cell: Arc<Cell>,
+    /// What it was asked for, and its next process will be.
+    wanted: RecordingRequest,
+    body: Incoming,
+}
+
+/// What comes of a cell.
+enum Piece {
+    /// Bytes of its stream.
+    Bytes(Bytes),
+    /// Its process ended: what follows is the stream of the next one.
+    Again,
 }
 
 /// Makes one numbering of channels and samples out of several.
@@ -115,8 +132,9 @@ impl Cells {
                 continue;
             }
             cell.answers().await?;
-            let body = cell.stream(&routes::record(), &RecordingRequest { ports }).await?;
-            cells.push((cell, body));
+            let wanted = RecordingRequest { ports, times: wanted.times };
+            let body = cell.stream(&routes::record(), &wanted).await?;
+            cells.push(Begun { cell, wanted, body });
         }
         Ok(Recorded { cells })
     }
@@ -130,42 +148,45 @@ impl Recorded {
     }
 
     /// Sends the frames of all to `out`, `own` among them. When `own` is over, cells are asked to
-    /// end, too, and what they took until then is sent. A cell that ends before has no more frames.
+    /// end, too, and what they took until then is sent. After a cell whose process ends comes its
+    /// next process.
     pub async fn join_frames(self, mut own: mpsc::Receiver<Vec<u8>>, out: mpsc::Sender<Vec<u8>>) {
         let (sender, mut pieces) = mpsc::channel(WAITING);
-        let mut theirs = Vec::new();
-        for (rank, (cell, body)) in self.cells.into_iter().enumerate() {
-            theirs.push(Source::new(Some(cell)));
-            tokio::spawn(pass(rank, body, sender.clone()));
+        let (over, is_over) = watch::channel(false);
+        let mut theirs = Theirs::default();
+        for (rank, begun) in self.cells.into_iter().enumerate() {
+            theirs.add(&begun.cell);
+            tokio::spawn(pass(rank, begun, sender.clone(), is_over.clone()));
         }
         drop(sender);
-        let (mut merger, mut mine) = (Merger::default(), Source::new(None));
+        let (mut merger, mut mine) = (Merger::default(), Source::new(None, OWN));
         // The daemon's first frames come first: they begin the stream.
         let mut goes_on = true;
         while goes_on {
             let merged = tokio::select! {
                 biased;
                 bytes = own.recv() => match bytes {
-                    Some(bytes) => mine.take(OWN, &bytes, &mut merger),
+                    Some(bytes) => mine.take(&bytes, &mut merger),
                     None => {
                         goes_on = false;
                         Vec::new()
                     }
                 },
-                Some((rank, bytes)) = pieces.recv(), if mine.begun => {
-                    theirs[rank].take(rank + 1, &bytes, &mut merger)
+                Some((rank, piece)) = pieces.recv(), if mine.begun => {
+                    theirs.take(rank, piece, &mut merger)
                 }
             };
             if !merged.is_empty() && out.send(merged).await.is_err() {
                 return;
             }
         }
-        for source in &theirs {
+        over.send_replace(true);
+        for source in &theirs.sources {
             source.ask_to_end().await;
         }
         let rest = async {
-            while let Some((rank, bytes)) = pieces.recv().await {
-                let merged = theirs[rank].take(rank + 1, &bytes, &mut merger);
+            while let Some((rank, piece)) = pieces.recv().await {
+                let merged = theirs.take(rank, piece, &mut merger);
                 if !merged.is_empty() && out.send(merged).await.is_err() {
                     return;
                 }
@@ -181,9 +202,39 @@ impl Recorded {
     }
 }
 
+/// Where frames come from besides the daemon: one for each cell, in its present process.
+#[derive(Default)]
+struct Theirs {
+    sources: Vec<Source>,
+    /// How many there were; [`OWN`] is none of them.
+    begun: usize,
+}
+
+impl Theirs {
+    fn add(&mut self, cell: &Arc<Cell>) {
+        self.begun += 1;
+        self.sources.push(Source::new(Some(Arc::clone(cell)), self.begun));
+    }
+
+    /// The frames that become of what came.
+    fn take(&mut self, rank: usize, piece: Piece, merger: &mut Merger) -> Vec<u8> {
+        let Some(source) = self.sources.get_mut(rank) else { return Vec::new() };
+        match piece {
+            Piece::Bytes(bytes) => source.take(&bytes, merger),
+            Piece::Again => {
+                self.begun += 1;
+                *source = Source::new(source.cell.take(), self.begun);
+                Vec::new()
+            }
+        }
+    }
+}
+
 /// Where frames come from.
 struct Source {
     cell: Option<Arc<Cell>>,
+    /// By which the channels there are known.
+    key: usize,
     /// Bytes of a frame that is not complete.
     rest: Vec<u8>,
     /// Whether its first frame came, and the number of the recording there.
@@ -193,12 +244,12 @@ struct Source {
 }
 
 impl Source {
-    fn new(cell: Option<Arc<Cell>>) -> Self {
-        Self { cell, rest: Vec::new(), begun: false, number: 0, end: None }
+    fn new(cell: Option<Arc<Cell>>, key: usize) -> Self {
+        Self { cell, key, rest: Vec::new(), begun: false, number: 0, end: None }
     }
 
     /// Takes bytes of its stream; the frames that become of them.
-    fn take(&mut self, source: usize, bytes: &[u8], merger: &mut Merger) -> Vec<u8> {
+    fn take(&mut self, bytes: &[u8], merger: &mut Merger) -> Vec<u8> {
         self.rest.extend_from_slice(bytes);
         let (mut merged, mut at) = (Vec::new(), 0);
         loop {
@@ -209,7 +260,7 @@ impl Source {
                         Frame::End(end) => self.end = Some(end.clone()),
                         _ => {}
                     }
-                    merger.take(source, frame, &mut merged);
+                    merger.take(self.key, frame, &mut merged);
                     at += length;
                 }
                 Ok(None) => break,
@@ -233,14 +284,51 @@ impl Source {
     }
 }
 
-/// Passes the bytes of a cell's stream on, until it is over or nobody wants them.
-async fn pass(rank: usize, mut body: Incoming, to: mpsc::Sender<(usize, Bytes)>) {
-    while let Some(Ok(frame)) = body.frame().await {
-        let Ok(bytes) = frame.into_data() else { continue };
-        if to.send((rank, bytes)).await.is_err() {
+/// Passes the bytes of a cell's stream on, then those of its next process, until the recording is
+/// over or nobody wants them.
+async fn pass(
+    rank: usize,
+    begun: Begun,
+    to: mpsc::Sender<(usize, Piece)>,
+    mut is_over: watch::Receiver<bool>,
+) {
+    let Begun { cell, wanted, mut body } = begun;
+    loop {
+        while let Some(Ok(frame)) = body.frame().await {
+            let Ok(bytes) = frame.into_data() else { continue };
+            if to.send((rank, Piece::Bytes(bytes))).await.is_err() {
+                return;
+            }
+        }
+        let next = tokio::select! {
+            biased;
+            _ = is_over.wait_for(|over| *over) => return,
+            next = next(&cell, &wanted) => next,
+        };
+        let Some(next) = next else { return };
+        body = next;
+        if to.send((rank, Piece::Again)).await.is_err() {
             return;
         }
+        tracing::info!("a recording goes on with the next process of cell {}", cell.name());
     }
+}
+
+/// The stream of a cell's next process; `None` where there will be none.
+async fn next(cell: &Cell, wanted: &RecordingRequest) -> Option<Incoming> {
+    while cell.runs_again().await {
+        match cell.stream(&routes::record(), wanted).await {
+            Ok(body) => return Some(body),
+            // That process has ended, too.
+            Err(AskError::Gone(_)) => {}
+            Err(error) => {
+                let name = cell.name();
+                tracing::warn!("a recording has nothing of cell {name} any more: {error}");
+                return None;
+            }
+        }
+    }
+    None
 }
 
 #[cfg(test)]
@@ -332,9 +420,9 @@ mod tests {
         channel(7, "/far/pose").append(&mut bytes);
         sample(7, 0, &[9; 40]).append(&mut bytes);
         for cut in 0..=bytes.len() {
-            let (mut source, mut merger) = (Source::new(None), Merger::default());
-            let mut out = source.take(1, &bytes[..cut], &mut merger);
-            out.extend(source.take(1, &bytes[cut..], &mut merger));
+            let (mut source, mut merger) = (Source::new(None, 1), Merger::default());
+            let mut out = source.take(&bytes[..cut], &mut merger);
+            out.extend(source.take(&bytes[cut..], &mut merger));
             assert_eq!(all(&out).len(), 2, "{cut}");
         }
     }

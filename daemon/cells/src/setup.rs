@@ -1,6 +1,6 @@
 //! What holds for all cells of a daemon.
 
-use std::fs::{self, DirBuilder};
+use std::fs::DirBuilder;
 use std::io;
 use std::os::unix::fs::DirBuilderExt as _;
 use std::path::PathBuf;
@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use genom_configuration::{CellLimits, CellSettings, Config, Deployment, Reaction};
 use genom_protocol::Change;
 use genom_protocol::freeze::MOST;
+use genom_supervisor::connections::between_processes;
 use rustix::process::Signal;
 use serde_json::Value;
 
@@ -17,6 +18,7 @@ use crate::blackbox::BlackBoxes;
 use crate::crashes::Reports;
 use crate::end::End;
 use crate::place::Place;
+use crate::theirs;
 
 /// What holds for all cells of a daemon.
 pub struct Setup {
@@ -110,13 +112,14 @@ impl Setup {
     /// Writes how a cell is to run: as the daemon, but with a socket of its own, and with what
     /// components hold in common with none but the daemon's on shared memory.
     pub(crate) fn write_config(&self, name: &str, place: &Place) -> Result<(), WriteError> {
-        Ok(fs::write(place.config(), self.config_of(name, place)?)?)
+        Ok(theirs::write(&place.config(), self.config_of(name, place)?.as_bytes())?)
     }
 
     /// Whether what runs there was configured as it would be now.
     pub(crate) fn wrote_config(&self, name: &str, place: &Place) -> bool {
         let wanted = self.config_of(name, place).ok();
-        fs::read_to_string(place.config()).ok().is_some_and(|text| Some(text) == wanted)
+        let most = wanted.as_ref().map_or(0, |text| text.len() as u64);
+        theirs::read(&place.config(), most).ok().is_some_and(|text| Some(text) == wanted)
     }
 
     fn config_of(&self, name: &str, place: &Place) -> Result<String, WriteError> {
@@ -131,6 +134,7 @@ impl Setup {
         config.activity.clear();
         config.rpc.socket = Some(place.socket());
         config.rpc.listen = None;
+        config.web.listen = None;
         config.rpc.tls = None;
         config.rpc.token_file = None;
         if let Some(middleware) = genom_gateway::middleware_of(name) {
@@ -142,9 +146,7 @@ impl Setup {
         config.gateways.daemon = Some(config.gateways.daemon.unwrap_or(daemon));
         // Components come with their state when a system is thawed.
         config.rpc.max_body = config.rpc.max_body.max(MOST);
-        if config.backend == "local" {
-            "shm".clone_into(&mut config.backend);
-        }
+        config.backend = between_processes(&config.backend.as_str().into()).to_string();
         Ok(config.text()?)
     }
 

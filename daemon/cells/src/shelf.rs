@@ -1,6 +1,7 @@
 //! A directory of files that a daemon leaves for people: for its user alone, with limits on how
 //! many there are and how large they are together. Daemons may share it.
 
+use std::collections::BTreeMap;
 use std::fs::{self, DirBuilder, File, OpenOptions};
 use std::io;
 use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, OpenOptionsExt as _};
@@ -74,16 +75,27 @@ impl Shelf {
         Ok((directory, turn))
     }
 
-    /// Removes the oldest above the limits, and what a daemon that died left unfinished.
+    /// Removes what is above the limits, and what a daemon that died left unfinished. Of what has the
+    /// most here the oldest goes first: a process that ends again and again does not push out what
+    /// others left.
     pub(crate) fn limit(&self, directory: &Path) {
-        let (mut count, mut bytes) = (0, 0);
-        for name in names(directory, self.prefix).into_iter().rev() {
-            let path = directory.join(name);
-            (count, bytes) = (count + 1, bytes + size(&path));
-            // The newest stays whatever its size.
-            if count > self.most || count > 1 && bytes > self.most_bytes {
-                remove(&path);
-            }
+        let kept = |name: String| {
+            let of = name.strip_prefix(self.prefix).and_then(|rest| rest.split_once('-'));
+            let of = of.map_or_else(String::new, |(_date, of)| of.to_owned());
+            Kept { bytes: size(&directory.join(&name)), name, of }
+        };
+        let mut all: Vec<_> = names(directory, self.prefix).into_iter().map(kept).collect();
+        loop {
+            let bytes = all.iter().fold(0_u64, |sum, one| sum.saturating_add(one.bytes));
+            let first = if all.len() > self.most {
+                first_to_go(&all, self.most > 0, |_| 1)
+            } else if bytes > self.most_bytes {
+                first_to_go(&all, true, |one| one.bytes)
+            } else {
+                None
+            };
+            let Some(first) = first else { break };
+            remove(&directory.join(all.remove(first).name));
         }
         for name in names(directory, &format!("{UNFINISHED}{}", self.prefix)) {
             let path = directory.join(name);
@@ -101,6 +113,27 @@ impl Shelf {
         all.reverse();
         all
     }
+}
+
+/// Something in the directory.
+struct Kept {
+    name: String,
+    /// What it is of, as it stands behind the date: the cell that ended, the reason for a file.
+    of: String,
+    bytes: u64,
+}
+
+/// The oldest of what weighs most together; of what weighs the same, the oldest. `all` begins with the
+/// oldest; the newest does not go if it `stays`.
+fn first_to_go(all: &[Kept], stays: bool, weigh: fn(&Kept) -> u64) -> Option<usize> {
+    let mut weights: BTreeMap<&str, u64> = BTreeMap::new();
+    for one in all {
+        let weight = weights.entry(&one.of).or_default();
+        *weight = weight.saturating_add(weigh(one));
+    }
+    let may_go = all.len().saturating_sub(usize::from(stays));
+    // Of equal ones, the last that is looked at is taken.
+    (0..may_go).rev().max_by_key(|at| weights.get(all[*at].of.as_str()))
 }
 
 /// This name, or one like it that is free.

@@ -9,7 +9,7 @@ use genom_protocol::{
     ThawedComponent, routes,
 };
 use genom_supervisor::Supervisor;
-use genom_supervisor::components::{Hosted, UnloadError};
+use genom_supervisor::components::Hosted;
 use genom_supervisor::connections::{ConnectError, Wanted};
 use genom_supervisor::loading::LoadError;
 use tokio::task::{JoinError, spawn_blocking};
@@ -49,8 +49,6 @@ enum NotDone {
     Ask(#[from] AskError),
     #[error(transparent)]
     Load(#[from] LoadError),
-    #[error(transparent)]
-    Unload(#[from] UnloadError),
     #[error("{}", .0.sentence())]
     Connect(#[from] ConnectError),
     #[error("there is no component {0} any more")]
@@ -179,21 +177,15 @@ impl Cells {
         before.deployment.component.retain(|component| !stays(&component.instance()));
         before.components.retain(|name, _| !stays(name));
         let (old, tied) = parts(before)?;
-        let mut gone = Vec::new();
-        let mut outcome = Ok(());
-        for name in taken.iter().rev() {
-            if let Err(why) = self.take_away(supervisor, name).await {
-                outcome = Err(failed(name, why.to_string()));
-                break;
-            }
-            gone.push(name.clone());
-        }
-        let thawed = match outcome {
-            Ok(()) => self.bring(supervisor, &requests, &connections).await,
-            Err(error) => Err(error),
+        // In the order in which they were loaded.
+        let taken: Vec<String> = old.iter().map(LoadRequest::instance).collect();
+        let stuck = self.take_away(supervisor, &taken).await;
+        let thawed = match stuck.first() {
+            None => self.bring(supervisor, &requests, &connections).await,
+            Some((name, why)) => Err(failed(name, why.to_string())),
         };
         let Err(error) = thawed else { return thawed };
-        let is_gone = |name: &str| gone.iter().any(|one| one == name);
+        let is_gone = |name: &str| !stuck.iter().any(|(one, _)| one == name);
         let back: Vec<_> = old.into_iter().filter(|one| is_gone(&one.instance())).collect();
         let tied: Vec<_> = tied.into_iter().filter(|entry| is_gone(entry.reader())).collect();
         if let Err(again) = self.bring(supervisor, &back, &tied).await {
@@ -242,11 +234,9 @@ impl Cells {
             }
         }
         let Err((what, why)) = outcome else { return Ok(Thawed { components: thawed }) };
-        let mut left = Vec::new();
-        for one in thawed.iter().rev() {
-            let undone = self.take_away(supervisor, &one.name).await;
-            left.extend(undone.err().map(|why| format!("{}: {why}", one.name)));
-        }
+        let names: Vec<String> = thawed.into_iter().map(|one| one.name).collect();
+        let stuck = self.take_away(supervisor, &names).await.into_iter();
+        let left = stuck.map(|(name, why)| format!("{name}: {why}")).collect();
         self.end_empty().await;
         Err(ThawError::Failed { what, why: why.to_string(), left })
     }
@@ -305,15 +295,6 @@ impl Cells {
         let hosted = supervisor.components.get(name);
         hosted.ok_or_else(|| NotDone::Gone(name.to_owned()))?.go_on();
         Ok(())
-    }
-
-    async fn take_away(&self, supervisor: &Arc<Supervisor>, name: &str) -> Result<(), NotDone> {
-        if let Some(cell) = self.of(name) {
-            self.unload(&cell, name).await?;
-            return Ok(());
-        }
-        let (worker, name) = (Arc::clone(supervisor), name.to_owned());
-        Ok(spawn_blocking(move || worker.unload(&name)).await??)
     }
 }
 

@@ -32,7 +32,7 @@ pub struct BlackBoxSection {
     /// The directory of the files, but for those of crashes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub directory: Option<PathBuf>,
-    /// Files that are kept there; the oldest are removed.
+    /// Files that are kept there; above that, the reason with the most of them loses its oldest.
     pub most: usize,
     /// Size of all of them together, in bytes.
     pub most_bytes: u64,

@@ -13,7 +13,8 @@ pub struct CrashesSection {
     /// The directory of the reports; by default one in the user's directory of states.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub directory: Option<PathBuf>,
-    /// Reports that are kept; the oldest are removed. With 0, none are written.
+    /// Reports that are kept; above that, the cell with the most loses its oldest. With 0, none are
+    /// written.
     pub most: usize,
     /// Size of all of them together, in bytes.
     pub most_bytes: u64,

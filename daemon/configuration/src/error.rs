@@ -4,6 +4,7 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use genom_nearest::nearest_key;
+use genom_protocol::LoadRequest;
 
 /// Greatest value of `max_activities`: memory for that many is reserved when a task starts.
 pub const MOST_ACTIVITIES: usize = 4096;
@@ -27,6 +28,15 @@ pub enum UsageError {
          (`genomctl token NAME --into FILE` begins one), or with rpc.tls.client_ca"
     )]
     Anybody(SocketAddr),
+    /// `--web` has an address that other machines can reach, without TLS.
+    #[error(
+        "{0} can be reached from outside: the web console needs TLS there, `cert` and `key` in \
+         section [rpc.tls] of the configuration; or have it on 127.0.0.1 or [::1]"
+    )]
+    WebNoTls(SocketAddr),
+    /// A value of `[web]`.
+    #[error("web.{key} = {value}: {what}")]
+    Web { key: &'static str, value: String, what: String },
     /// `rpc.max_connections` is 0: no client could connect, not even to stop the daemon.
     #[error("rpc.max_connections = 0: the daemon would answer nobody; one at least")]
     NoConnections,
@@ -36,6 +46,9 @@ pub enum UsageError {
     /// A name in `[gateways]`.
     #[error("gateways.of: {0}")]
     Gateway(String),
+    /// The delay of `[gateways]`.
+    #[error("gateways.restart_delay_max = {value}: {least} to {most} seconds")]
+    GatewayDelay { value: f64, least: f64, most: f64 },
     /// A number of `[cells]`.
     #[error("cells.{key} = {value}: {what}")]
     Cells { key: String, value: f64, what: String },
@@ -106,9 +119,16 @@ pub enum SetError {
 
 impl From<toml::de::Error> for SetError {
     fn from(error: toml::de::Error) -> Self {
-        let message = error.message().trim().replace('\n', ", ");
+        let message = message_of(&error);
         Self::Unreadable { nearest: nearest_key(&message), message }
     }
+}
+
+/// What the reader of TOML says, on one line; keys that only daemons write are not offered.
+pub(crate) fn message_of(error: &toml::de::Error) -> String {
+    let text = error.message().trim().replace('\n', ", ");
+    let internal = LoadRequest::INTERNAL.iter();
+    internal.fold(text, |text, key| text.replace(&format!(", `{key}`"), ""))
 }
 
 /// A filter of the log contains an invalid level.

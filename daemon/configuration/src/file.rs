@@ -15,14 +15,16 @@ use serde::{Deserialize, Serialize};
 use crate::blackbox::BlackBoxSection;
 use crate::cells::CellsSection;
 use crate::crashes::CrashesSection;
-use crate::error::{ConfigError, UsageError, WhichDaemon};
+use crate::error::{ConfigError, UsageError, WhichDaemon, message_of};
 use crate::gateways::GatewaysSection;
 use crate::levels;
 use crate::limits::CellLimits;
 use crate::offers::Offers;
 use crate::overrides;
+use crate::reload::ReloadSection;
 use crate::rpc::Rpc;
 use crate::spot;
+use crate::web::WebSection;
 
 /// A configuration file; `configs/default.toml` shows every key with its default.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -56,12 +58,16 @@ pub struct Config {
     pub max_activities: usize,
     /// The control plane.
     pub rpc: Rpc,
+    /// The web console.
+    pub web: WebSection,
     /// Processes of their own for components.
     pub cells: CellsSection,
     /// Middlewares in processes of their own.
     pub gateways: GatewaysSection,
     /// Reports of cells that crashed.
     pub crashes: CrashesSection,
+    /// Trials of new libraries.
+    pub reload: ReloadSection,
     /// What is kept of the last seconds.
     pub blackbox: BlackBoxSection,
     /// What single cells may use, by their names.
@@ -121,9 +127,11 @@ impl Default for Config {
             stuck_after: STUCK_AFTER.as_secs(),
             max_activities: ACTIVITY_LIMIT,
             rpc: Rpc::default(),
+            web: WebSection::default(),
             cells: CellsSection::default(),
             gateways: GatewaysSection::default(),
             crashes: CrashesSection::default(),
+            reload: ReloadSection::default(),
             blackbox: BlackBoxSection::default(),
             cell: BTreeMap::new(),
             services: Offers::default(),
@@ -146,13 +154,22 @@ impl Config {
                 .map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
         }
         let path = path.unwrap_or(Path::new(""));
-        let mut config = Self::parse(path, &text)?;
-        if !words.is_empty() {
-            config = overrides::set(&text, words)?;
-        }
         if words.is_empty() {
-            config.check(path, &text)?;
+            return Self::of_text(path, &text);
         }
+        Self::parse(path, &text)?;
+        let mut config: Self = overrides::set(&text, words)?;
+        config.anchor(path);
+        Ok(config)
+    }
+
+    /// The same of a file that was read.
+    ///
+    /// # Errors
+    /// It contains a mistake.
+    pub fn of_text(path: &Path, text: &str) -> Result<Self, ConfigError> {
+        let mut config = Self::parse(path, text)?;
+        config.check(path, text)?;
         config.anchor(path);
         Ok(config)
     }
@@ -231,6 +248,19 @@ impl Config {
         })
     }
 
+    /// The same for a daemon that runs with another file: the default middleware of this one, if it
+    /// names one, becomes that of its components.
+    pub fn deployment_elsewhere(&self, daemon: Option<&str>) -> Result<Deployment, WhichDaemon> {
+        let mut deployment = self.deployment(daemon)?;
+        if self.backend != Self::default().backend {
+            let default = BackendNames::one(self.backend.as_str());
+            for component in &mut deployment.component {
+                component.backend.get_or_insert_with(|| default.clone());
+            }
+        }
+        Ok(deployment)
+    }
+
     /// Parses a text; `path` is used in error messages only.
     pub fn parse(path: &Path, text: &str) -> Result<Self, ConfigError> {
         toml::from_str(text).map_err(|error| mistake(path, text, &error))
@@ -276,7 +306,7 @@ impl Config {
 fn mistake(path: &Path, text: &str, error: &toml::de::Error) -> ConfigError {
     let start = error.span().map_or(0, |span| span.start).min(text.len());
     let line = text.as_bytes()[..start].iter().filter(|byte| **byte == b'\n').count() + 1;
-    let message = error.message().trim().replace('\n', ", ");
+    let message = message_of(error);
     let nearest = nearest_key(&message);
     ConfigError::Mistake { path: path.to_owned(), line, message, nearest }
 }

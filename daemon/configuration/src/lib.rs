@@ -18,10 +18,12 @@ mod offers;
 mod overrides;
 mod pattern;
 pub mod place;
+mod reload;
 mod rpc;
 mod spot;
 mod states;
 pub mod terms;
+mod web;
 
 pub use blackbox::{BlackBoxReason, BlackBoxSection, is_one_of};
 pub use cells::{CellSettings, CellsSection, WithoutDaemon};
@@ -39,5 +41,7 @@ pub use genom_protocol::{
 pub use limits::CellLimits;
 pub use offers::Offers;
 pub use pattern::matches;
+pub use reload::ReloadSection;
 pub use rpc::{Rpc, RpcSettings, Tls};
 pub use spot::Spot;
+pub use web::WebSection;

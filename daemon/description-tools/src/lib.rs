@@ -27,5 +27,7 @@ mod schema;
 pub use describe::{describe, describe_text};
 pub use format::{FormatError, format_bytes, format_text};
 pub use graph::{Graph, graph};
-pub use header::{HeaderError, Language, declaration, header, prototype};
+pub use header::{
+    HeaderError, Language, Signatures, declaration, header, mappings, prototype, signature,
+};
 pub use schema::{schema, service_schemas};

@@ -45,5 +45,5 @@ pub mod parse;
 mod read;
 pub mod syntax;
 
-pub use genom_text::{diagnostic, preprocess, source, token};
+pub use genom_text::{diagnostic, pkg_config, preprocess, printed, source, token};
 pub use read::{Analysis, Options, Parsed, parse_files, read, read_files, read_text};

@@ -38,7 +38,7 @@ pub struct Log {
 
 /// Address of the sender of a request.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Peer(pub(crate) SocketAddr);
+pub struct Peer(pub SocketAddr);
 
 impl Door {
     /// The Unix socket, which only the owner of the process can open: all rights, without a token.

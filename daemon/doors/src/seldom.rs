@@ -13,7 +13,7 @@ const KINDS: usize = 256;
 
 /// What was logged, and when.
 #[derive(Debug, Default)]
-pub(crate) struct Seldom(Mutex<HashMap<String, Told>>);
+pub struct Seldom(Mutex<HashMap<String, Told>>);
 
 #[derive(Debug)]
 struct Told {
@@ -24,7 +24,7 @@ struct Told {
 
 impl Seldom {
     /// Logs a line, unless one of this kind was logged recently; `line` receives a text to append.
-    pub(crate) fn tell(&self, kind: String, line: impl FnOnce(&str)) {
+    pub fn tell(&self, kind: String, line: impl FnOnce(&str)) {
         if let Some(hidden) = self.due(kind, Instant::now()) {
             let more = if hidden == 0 { String::new() } else { format!(" ({hidden} more before)") };
             line(&more);

@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 
 use genom_proof::{Bytes, HINT, NONCE};
-use genom_protocol::{TokenEntry, TokenFile};
+use genom_protocol::{Right, TokenEntry, TokenFile};
+use serde::{Deserialize, Serialize};
 use subtle::{Choice, ConstantTimeEq as _};
 
 use crate::holder::Holder;
@@ -13,6 +14,13 @@ use crate::private;
 
 /// Minimum length of a token, in characters; a shorter one could be guessed.
 const SHORTEST: usize = 32;
+
+/// In place of the nonce of a client: marks are compared over restarts.
+const MARKING: &[u8; NONCE] = b"what a session was opened with  ";
+
+/// What distinguishes a token from others, also after a restart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+pub struct Mark(Bytes<HINT>);
 
 /// The known tokens; their file can be read again while they are in use.
 #[derive(Debug, Default)]
@@ -104,7 +112,8 @@ impl Tokens {
     }
 
     /// The holder of a token. Takes the same time for every token, known or not.
-    pub(crate) fn holder(&self, given: &[u8]) -> Option<Holder> {
+    #[must_use]
+    pub fn holder(&self, given: &[u8]) -> Option<Holder> {
         let known = self.known.read().unwrap_or_else(PoisonError::into_inner);
         let mut found = None;
         for entry in &*known {
@@ -114,6 +123,23 @@ impl Tokens {
             }
         }
         found.map(|entry| holder(&entry.token))
+    }
+
+    /// What distinguishes the token of this holder from any other of the same name. The token cannot
+    /// be computed from it. `None` if the holder has no token of the file.
+    #[must_use]
+    pub fn mark(&self, of: &Holder) -> Option<Mark> {
+        let known = self.known.read().unwrap_or_else(PoisonError::into_inner);
+        let entry = known.iter().find(|entry| holder(&entry.token).who == of.who)?;
+        Some(Mark(entry.key.hint(MARKING)))
+    }
+
+    /// The rights that the token with this mark has now; `None` if it is not in the file any more.
+    #[must_use]
+    pub fn rights(&self, mark: &Mark) -> Option<Vec<Right>> {
+        let known = self.known.read().unwrap_or_else(PoisonError::into_inner);
+        let entry = known.iter().find(|entry| entry.key.hint(MARKING) == mark.0)?;
+        Some(entry.token.rights.clone())
     }
 
     /// The token with this hint.
@@ -180,8 +206,6 @@ fn parse(path: &Path, text: &str) -> Result<Vec<Entry>, TokenError> {
 
 #[cfg(test)]
 mod tests {
-    use genom_protocol::Right;
-
     use super::*;
 
     const FILE: &str = "[[token]]\nname = \"dashboard\"\n\
@@ -199,6 +223,17 @@ mod tests {
             assert!(tokens.holder(wrong).is_none());
         }
         assert!(!format!("{tokens:?}").contains("0123456789"));
+    }
+
+    #[test]
+    fn a_mark_is_that_of_one_token_and_is_forgotten_with_it() {
+        let tokens = Tokens::of("dashboard", "0123456789abcdef0123456789abcdef");
+        let holder = tokens.holder(b"0123456789abcdef0123456789abcdef").unwrap();
+        let mark = tokens.mark(&holder).unwrap();
+        assert_eq!(tokens.rights(&mark), Some(vec![Right::Read]));
+        let other = Tokens::of("dashboard", "another one, 0123456789abcdef012");
+        assert_eq!(other.rights(&mark), None, "a token of the same name is another one");
+        assert_eq!(tokens.mark(&Holder::own()), None);
     }
 
     #[test]

@@ -48,6 +48,12 @@ pub(crate) enum Failure {
     /// `fmt` found files to format or refused some; each was printed.
     #[error("{}", unformatted_files(*.unformatted, *.refused))]
     Format { unformatted: usize, refused: usize },
+    /// `verify` found properties that do not hold, or could not decide; they were printed.
+    #[error("{}", unproved(*.violated, *.undecided))]
+    Verdict { violated: usize, undecided: usize },
+    /// `schedule` found tasks that may be late, or of which it cannot tell; they were printed.
+    #[error("{}", unscheduled(*.late, *.open))]
+    Late { late: usize, open: usize },
     /// An error of a file or the terminal.
     #[error(transparent)]
     Io(#[from] io::Error),
@@ -55,6 +61,28 @@ pub(crate) enum Failure {
 
 fn plural(count: usize, word: &str) -> String {
     format!("{count} {word}{}", if count == 1 { "" } else { "s" })
+}
+
+fn unscheduled(late: usize, open: usize) -> String {
+    match (late, open) {
+        (0, open) => format!("no bound for {}", plural(open, "task")),
+        (late, 0) => format!("{} may be late", plural(late, "task")),
+        (late, open) => format!("{} may be late, no bound for {open}", plural(late, "task")),
+    }
+}
+
+fn unproved(violated: usize, undecided: usize) -> String {
+    let count = |count: usize| match count {
+        1 => "1 property is".to_owned(),
+        _ => format!("{count} properties are"),
+    };
+    match (violated, undecided) {
+        (0, undecided) => format!("{} not decided", count(undecided)),
+        (violated, 0) => format!("{} violated", count(violated)),
+        (violated, undecided) => {
+            format!("{} violated, {undecided} not decided", count(violated))
+        }
+    }
 }
 
 fn unformatted_files(unformatted: usize, refused: usize) -> String {
@@ -194,6 +222,8 @@ impl Failure {
             Failure::Reply { .. } => "not_understood",
             Failure::Description { .. } => "description",
             Failure::Format { .. } => "format",
+            Failure::Verdict { violated: 0, .. } | Failure::Late { late: 0, .. } => "undecided",
+            Failure::Verdict { .. } | Failure::Late { .. } => "violated",
             Failure::Io(_) => "io",
         };
         json!({"error": {
@@ -220,6 +250,7 @@ impl Failure {
             Failure::Usage { .. } => 2,
             Failure::Unreachable { .. } | Failure::Lost { .. } | Failure::Silent { .. } => 3,
             Failure::Refused(reason) if reason.is(Code::DaemonSilent) => 3,
+            Failure::Verdict { violated: 0, .. } | Failure::Late { late: 0, .. } => 4,
             _ => 1,
         })
     }

@@ -6,7 +6,9 @@
 #![forbid(unsafe_code)]
 
 mod agreement;
+mod apart;
 mod args;
+mod bench;
 mod body;
 mod chosen;
 mod client;
@@ -17,16 +19,16 @@ mod doctor;
 mod escape;
 mod failure;
 mod far;
+mod frames;
+mod genom3;
 mod http;
 mod inputs;
-mod lsp;
 mod names;
 mod patience;
 mod private;
 mod process;
 mod prompt;
 mod reading;
-mod recording;
 mod session;
 mod sse;
 mod table;
@@ -52,6 +54,10 @@ fn json_wanted() -> bool {
 }
 
 fn main() -> ExitCode {
+    let mut arguments = std::env::args_os();
+    if genom3::is_asked_for(arguments.next().as_ref()) {
+        return genom3::run(arguments.collect());
+    }
     // A shell asks for completions: they are printed and the process exits.
     complete::answer(Cli::command, verbs::COMPLETE);
     let cli = match Cli::try_parse() {

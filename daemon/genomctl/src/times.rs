@@ -1,4 +1,4 @@
-//! Times as arguments, in seconds: `--within 10`, `--duration 0.5`.
+//! Seconds as arguments, as in `--within 10`. Times with a unit are of `genom_scenario`.
 
 use std::time::Duration;
 

@@ -26,7 +26,7 @@ pub(crate) struct Rate {
 }
 
 /// Reads the counters of a port.
-async fn reading(session: &Session, at: &Address) -> Result<Traffic, Failure> {
+pub(crate) async fn reading(session: &Session, at: &Address) -> Result<Traffic, Failure> {
     let route = routes::traffic(&at.component, &at.port).with(&element(at));
     Ok(session.ask(route).await?.content.traffic)
 }

@@ -79,6 +79,13 @@ pub(crate) struct Cli {
     /// other machines can reach it: section [rpc.tls] of the configuration.
     #[arg(long, value_name = "ADDRESS:PORT")]
     pub(crate) listen: Option<SocketAddr>,
+    /// Serve the web console at this address, by default at a free port of this machine; `genomctl
+    /// web` opens it.
+    #[arg(
+        long, value_name = "ADDRESS:PORT", num_args = 0..=1, require_equals = true,
+        default_missing_value = "127.0.0.1:0"
+    )]
+    pub(crate) web: Option<SocketAddr>,
     /// File of tokens of clients at that address, with their rights; see configs/default.toml.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) token_file: Option<PathBuf>,
@@ -128,6 +135,7 @@ impl Cli {
         config.include = [self.include.clone(), config.include].concat();
         config.rpc.socket = self.socket.clone().or(config.rpc.socket);
         config.rpc.listen = self.listen.or(config.rpc.listen);
+        config.web.listen = self.web.or(config.web.listen);
         config.rpc.token_file = self.token_file.clone().or(config.rpc.token_file);
         config
     }

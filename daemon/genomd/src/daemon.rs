@@ -1,7 +1,7 @@
 //! The parts of the daemon: a supervisor of components, and the state of the control plane.
 
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use genom_cells::{BlackBoxes, Cells, Failure, Reports, Rules, Setup, Told, react};
 use genom_configuration::RpcSettings;
@@ -9,6 +9,7 @@ use genom_doors::{Slots, Streams};
 use genom_supervisor::Supervisor;
 use genom_systemd::Manager;
 use genom_telemetry::logs;
+use genom_web::Console;
 use tokio::sync::mpsc::{UnboundedSender, unbounded_channel};
 use tokio_util::sync::CancellationToken;
 
@@ -44,6 +45,8 @@ pub(crate) struct Daemon {
     pub(crate) streams: Streams,
     /// Slots for questions to other daemons.
     pub(crate) questions: Arc<Slots>,
+    /// The web console, once it is open.
+    pub(crate) console: OnceLock<Console>,
     /// Cancelled when everything has stopped, to end the control plane.
     pub(crate) closed: CancellationToken,
 }
@@ -70,10 +73,11 @@ impl Daemon {
             supervisor,
             name: settings.name.clone(),
             announcements: Announcements::default(),
-            startup: Arc::new(Startup::new()),
+            startup: Arc::new(Startup::default()),
             manager: Arc::new(Manager::new(&settings.invitation)),
             streams: Streams::new(rpc.max_streams, rpc.max_streams_per_token, closed.clone()),
             questions: Slots::new(QUESTIONS, QUESTIONS / 4),
+            console: OnceLock::new(),
             closed,
             rpc,
         })

@@ -31,6 +31,12 @@ use genom_systemd::Invitation;
 use genom_telemetry::logs;
 
 fn main() -> ExitCode {
+    if let Some(code) = genom_cells::read_symbols() {
+        return code;
+    }
+    if let Some(code) = genom_floor::asked() {
+        return code;
+    }
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
@@ -41,15 +47,12 @@ fn main() -> ExitCode {
         }
     };
     if cli.version {
-        let _ = std::io::stdout().lock().write_all(version().as_bytes());
-        return ExitCode::SUCCESS;
+        return print(version());
     }
     if let Some(shell) = cli.completion {
         let mut text = Vec::new();
         clap_complete::generate(shell, &mut Cli::command(), "genomd", &mut text);
-        // A closed pipe is not a failure.
-        let _ = std::io::stdout().lock().write_all(&text);
-        return ExitCode::SUCCESS;
+        return print(text);
     }
     if let Some(directory) = &cli.man {
         return write_manual(directory);
@@ -122,13 +125,13 @@ fn write_manual(directory: &Path) -> ExitCode {
 fn dump_config(cli: &Cli) -> ExitCode {
     let config = Config::read(cli.config.as_deref(), &cli.set).map_err(Refusal::usage);
     let text = config.and_then(|config| cli.over(config).text().map_err(Refusal::usage));
-    match text {
-        Ok(text) => {
-            let _ = std::io::stdout().lock().write_all(text.as_bytes());
-            ExitCode::SUCCESS
-        }
-        Err(refusal) => refusal.report(),
-    }
+    text.map_or_else(|refusal| refusal.report(), print)
+}
+
+/// Prints; a closed pipe is not a failure.
+fn print(text: impl AsRef<[u8]>) -> ExitCode {
+    let _ = std::io::stdout().lock().write_all(text.as_ref());
+    ExitCode::SUCCESS
 }
 
 fn version() -> String {

@@ -21,6 +21,7 @@ use genom_supervisor::deploy::Step;
 use genom_supervisor::limits;
 use genom_supervisor::loading::{LoadError, check_reactions};
 use genom_systemd::heartbeat;
+use genom_web::Console;
 use tokio::runtime::Handle;
 use tokio::task::block_in_place;
 
@@ -29,7 +30,7 @@ use crate::daemon::Daemon;
 use crate::life::Life;
 use crate::rpc;
 use crate::settings::Settings;
-use crate::signals::Signals;
+use crate::signals::{Signals, keep_process};
 use genom_cells::own as own_cell;
 
 /// Why the daemon failed, with its exit status.
@@ -165,6 +166,9 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
         None => None,
     };
     let daemon = Daemon::new(&mut settings);
+    let console = Console::open(&settings.config.web, &daemon.rpc, &tokens, own, &daemon.closed);
+    let console = console.await.map_err(Refusal::own)?;
+    console.iter().for_each(|(console, _)| drop(daemon.console.set(console.clone())));
     let supervisor = &daemon.supervisor;
     tokio::spawn(signals.obey(Arc::clone(&daemon), Arc::clone(&tokens)));
     match settings.lease.take().zip(daemon.own_cell.clone()) {
@@ -202,6 +206,10 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     let router = rpc::router(&daemon, &tokens, Door::own());
     let life = Life { router: router.clone(), supervisor: Arc::clone(supervisor) };
     let mut entrances = vec![Entrance { listener, router }];
+    if let Some((console, listener)) = console {
+        let api = rpc::router(&daemon, &tokens, Door::proved(Arc::clone(&log)));
+        entrances.push(console.entrance(listener, api));
+    }
     if let Some(listener) = tcp {
         let tls = daemon.rpc.tls.iter().filter(|tls| tls.client_ca.is_some());
         let certified = tls.flat_map(|tls| tls.client_rights.clone()).collect();
@@ -483,17 +491,4 @@ async fn stop(daemon: &Daemon) -> Result<(), Refusal> {
     });
     let told = told.collect::<Vec<_>>().join(", ");
     Err(Refusal::left_behind(format!("stopped, and left behind: {told}")))
-}
-
-/// Restores signals, limits and descriptors of the process that codels changed, so that the daemon
-/// keeps running and can be stopped.
-async fn keep_process(kept: KeptProcess) {
-    /// Interval between two checks.
-    const LOOK: Duration = Duration::from_millis(100);
-    loop {
-        tokio::time::sleep(LOOK).await;
-        for told in kept.look() {
-            tracing::warn!("{told}");
-        }
-    }
 }

@@ -59,6 +59,7 @@ impl Settings {
         let cells = CellSettings::new(&config.cells)?;
         config.check_limits()?;
         config.services.check()?;
+        config.web.check(&config.rpc)?;
         config.gateways.check()?;
         config.blackbox.check()?;
         if !(1..=MOST_ACTIVITIES).contains(&config.max_activities) {

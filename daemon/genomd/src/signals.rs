@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use genom_doors::Tokens;
+use genom_host::KeptProcess;
 use genom_supervisor::Supervisor;
 use genom_systemd::Manager;
 use tokio::signal::unix::{Signal, SignalKind, signal};
@@ -130,6 +131,19 @@ fn ignores_hang_up() -> bool {
 fn ignored(status: &str) -> Option<u64> {
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;
     u64::from_str_radix(mask.trim(), 16).ok()
+}
+
+/// Restores signals, limits and descriptors of the process that codels changed, so that the daemon
+/// keeps running and can be stopped.
+pub(crate) async fn keep_process(kept: KeptProcess) {
+    /// Interval between two checks.
+    const LOOK: Duration = Duration::from_millis(100);
+    loop {
+        tokio::time::sleep(LOOK).await;
+        for told in kept.look() {
+            tracing::warn!("{told}");
+        }
+    }
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use genom_supervisor::flag::Flag;
 
 /// What is still to be loaded.
+#[derive(Default)]
 pub(crate) struct Startup {
     /// Instance names, as far as known; the first is being loaded.
     to_load: Mutex<Vec<String>>,
@@ -15,10 +16,6 @@ pub(crate) struct Startup {
 }
 
 impl Startup {
-    pub(crate) fn new() -> Self {
-        Self { to_load: Mutex::default(), ready: Flag::new(), deployed: Flag::new() }
-    }
-
     /// Sets the components to be loaded, in order.
     pub(crate) fn begins(&self, names: Vec<String>) {
         *self.to_load.lock().unwrap_or_else(PoisonError::into_inner) = names;

@@ -15,14 +15,14 @@ use crate::process;
 use crate::running::{is_own_process, note_own_process, words};
 
 /// Signals that end a process because of an error in its code.
-const FAULTS: [(c_int, &str); 7] = [
-    (libc::SIGSEGV, "SIGSEGV"),
-    (libc::SIGBUS, "SIGBUS"),
-    (libc::SIGFPE, "SIGFPE"),
-    (libc::SIGILL, "SIGILL"),
-    (libc::SIGABRT, "SIGABRT"),
-    (libc::SIGSYS, "SIGSYS"),
-    (libc::SIGTRAP, "SIGTRAP"),
+const FAULTS: [c_int; 7] = [
+    libc::SIGSEGV,
+    libc::SIGBUS,
+    libc::SIGFPE,
+    libc::SIGILL,
+    libc::SIGABRT,
+    libc::SIGSYS,
+    libc::SIGTRAP,
 ];
 
 /// Actions of these signals before ours were installed.
@@ -53,7 +53,7 @@ pub fn tell_last_words() {
         // program, which is never unloaded.
         unsafe { libc::atexit(on_exit) };
         note_own_process();
-        FAULTS.map(|(signal, _)| handle(signal))
+        FAULTS.map(handle)
     });
 }
 
@@ -72,8 +72,8 @@ fn handle(signal: c_int) -> Option<libc::sigaction> {
 }
 
 extern "C" fn on_fault(signal: c_int, info: *mut libc::siginfo_t, context: *mut c_void) {
-    let rank = FAULTS.iter().position(|(known, _)| *known == signal);
-    let name = rank.and_then(|rank| FAULTS.get(rank)).map_or("a signal", |(_, name)| name);
+    let rank = FAULTS.iter().position(|known| *known == signal);
+    let name = process::signal_name(signal).unwrap_or("a signal");
     say(name, " in ");
     // SAFETY: the arguments of this handler, which is installed with SA_SIGINFO.
     unsafe { crash_note::of_signal(name, signal, info, context) };

@@ -24,11 +24,13 @@ mod running;
 mod shared;
 mod what;
 
-pub use component::{CannotExchange, Component, LoadError, LoadErrors, MemoryCheck, check_memory};
+pub use component::{
+    CannotExchange, Component, Conversions, LoadError, LoadErrors, MemoryCheck, check_memory,
+};
 pub use crash_note::{note_crashes_in, wait_for_dumps_at};
 pub use last_words::{abort_in, end_is_ours, tell_last_words};
 pub use library::{Contents, Digest, EmbeddedDescription, Library, OpenError};
 pub use process::{
     KeptProcess, StandardError, guard_process, keep_from_children, keep_off, raised_to_stop,
-    take_variable, without_leftovers,
+    signal_name, take_variable, without_leftovers,
 };

@@ -81,7 +81,9 @@ fn restrict(
     let own = system.chain(linked()).chain(grants.read.iter().cloned()).map(|path| (path, reads));
     let sinks = SINKS.iter().map(PathBuf::from);
     let written = sinks.chain(grants.write.iter().cloned()).map(|path| (path, all));
-    for (path, access) in own.chain(written) {
+    let sockets = BitFlags::from(AccessFs::ResolveUnix);
+    let reached = grants.reach.iter().cloned().map(|path| (path, sockets));
+    for (path, access) in own.chain(written).chain(reached) {
         // Machines differ in what they have of these.
         if let Ok(there) = PathFd::new(&path) {
             rules = grant(rules, &path, there, access)?;

@@ -9,4 +9,6 @@ pub struct Grants {
     pub read: Vec<PathBuf>,
     /// Those that it reads and writes. Directories that are missing are made.
     pub write: Vec<PathBuf>,
+    /// Directories with Unix sockets that it may send to.
+    pub reach: Vec<PathBuf>,
 }

@@ -8,7 +8,7 @@ use genom_runtime::Clock;
 use genom_types::{DataType, Record};
 
 use crate::gauge::Gauge;
-use crate::tape::Tapes;
+use crate::tape::{Tapes, Way};
 
 /// The publishers of an out port, each with the name of its middleware, in the order requested.
 pub type Ends = Vec<(String, Box<dyn Publisher>)>;
@@ -89,6 +89,7 @@ impl Publisher for FanPublisher {
         let Fan { ends, gauge, tapes } = &self.fan;
         let mut ends = ends.lock().unwrap_or_else(PoisonError::into_inner);
         let (mut taken, mut dropped, mut failure) = (false, 0, None);
+        let begun = tapes.begin();
         for (_, end) in ends.iter_mut() {
             match end.publish(value) {
                 Ok(()) => taken = true,
@@ -104,7 +105,7 @@ impl Publisher for FanPublisher {
             _ => {
                 gauge.passed(dropped);
                 gauge.weigh(value, &mut self.scratch);
-                tapes.take(value);
+                tapes.take(value, Way { begun, arrived: None });
                 Ok(())
             }
         }

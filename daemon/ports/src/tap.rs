@@ -7,7 +7,7 @@ use genom_runtime::Clock;
 use genom_types::{DataType, Record};
 
 use crate::gauge::Gauge;
-use crate::tape::Tapes;
+use crate::tape::{Tapes, Way};
 
 /// The supervisor's handle on the subscription of an in port.
 #[derive(Clone)]
@@ -89,6 +89,7 @@ impl Subscription for TapSubscription {
     fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
         let Tap { end, gauge, tapes } = &self.tap;
         let mut end = end.lock().unwrap_or_else(PoisonError::into_inner);
+        let begun = tapes.begin();
         let reading = end.read(into);
         // Some middlewares detect losses only when there is nothing more to read.
         gauge.lost(end.dropped());
@@ -97,7 +98,7 @@ impl Subscription for TapSubscription {
                 self.read = true;
                 gauge.passed(end.dropped());
                 gauge.weigh(into, &mut self.scratch);
-                tapes.take(into);
+                tapes.take(into, Way { begun, arrived: end.arrived() });
                 Ok(Reading::New)
             }
             Ok(Reading::Never) if self.read => Ok(Reading::Same),

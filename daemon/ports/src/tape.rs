@@ -3,15 +3,21 @@
 //! The codel never waits and, for types of fixed size, allocates nothing. Samples for which the
 //! ring has no room are dropped and counted.
 //!
+//! A recording of times has, in place of contents, when each sample was written or read and a digest
+//! of it, so that much data does not disturb what is measured.
+//!
 //! A tape of a black box has a [`Track`] instead of a ring: it keeps the latest samples where a
 //! crash of this process does not reach, and nobody empties it.
 
+use std::hash::Hasher as _;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use genom_blackbox::Track;
+use genom_protocol::frames::Times;
 use genom_types::{DataType, Record};
 use rtrb::{Consumer, Producer, RingBuffer};
+use rustc_hash::FxHasher;
 
 use crate::dates::Dates;
 
@@ -37,8 +43,27 @@ pub struct Tape {
 
 /// Where samples go.
 enum To {
-    Recording { ring: Producer<u8>, number: u32, lost: Arc<AtomicU64> },
+    Recording { ring: Producer<u8>, number: u32, lost: Arc<AtomicU64>, what: What },
     BlackBox(Track),
+}
+
+/// What a recording has of each sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum What {
+    /// Its content, as CDR.
+    #[default]
+    Contents,
+    /// [`Times`] in place of the content.
+    Times,
+}
+
+/// What is known of the way of a sample, on the machine's monotonic clock in nanoseconds.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Way {
+    /// When the write or the read began; only if a tape asks for it ([`Tapes::begin`]).
+    pub begun: Option<u64>,
+    /// Of a read: when the sample arrived, if the middleware knows.
+    pub arrived: Option<u64>,
 }
 
 /// The reading end, used by the recording's thread.
@@ -59,19 +84,22 @@ pub struct Sample<'a> {
 }
 
 /// The two ends of a tape for values of type `ty`, for the recording `session`.
-pub fn tape(session: u64, ty: &DataType, dates: Dates) -> (Tape, Reel) {
+pub fn tape(session: u64, ty: &DataType, dates: Dates, what: What) -> (Tape, Reel) {
     let mut scratch = vec![0; HEAD];
     // Reserves what any value of a type of fixed size takes.
     let _ = Record::new(ty).encode_message(&mut scratch);
-    let room = if ty.is_fixed_size() {
+    let room = if what == What::Times {
+        SMALLEST
+    } else if ty.is_fixed_size() {
         scratch.len().saturating_mul(SAMPLES).clamp(SMALLEST, GREATEST)
     } else {
         scratch.reserve(4096);
         VARIABLE
     };
+    scratch.reserve(Times::BYTES);
     let (writer, reader) = RingBuffer::new(room);
     let lost = Arc::new(AtomicU64::new(0));
-    let to = To::Recording { ring: writer, number: 0, lost: Arc::clone(&lost) };
+    let to = To::Recording { ring: writer, number: 0, lost: Arc::clone(&lost), what };
     let tape = Tape { session, dates, scratch, to };
     (tape, Reel { ring: reader, lost, scratch: Vec::new() })
 }
@@ -85,8 +113,14 @@ impl Tape {
         Self { session, dates, scratch, to: To::BlackBox(track) }
     }
 
-    fn take(&mut self, value: &Record) {
+    fn wants_times(&self) -> bool {
+        matches!(self.to, To::Recording { what: What::Times, .. })
+    }
+
+    fn take(&mut self, value: &Record, way: Way) {
         let moment = self.dates.moment();
+        // Whatever the clock of the components.
+        let ended = if self.wants_times() { Dates::default().moment() } else { moment };
         self.scratch.clear();
         self.scratch.extend_from_slice(&moment.to_le_bytes());
         self.scratch.extend_from_slice(&[0; 8]);
@@ -94,7 +128,17 @@ impl Tape {
         match &mut self.to {
             To::BlackBox(track) if encoded => track.put(moment, &self.scratch[HEAD..]),
             To::BlackBox(track) => track.lose(),
-            To::Recording { ring, number, lost } => {
+            To::Recording { ring, number, lost, what } => {
+                if *what == What::Times {
+                    let times = Times {
+                        begun: way.begun.unwrap_or(ended),
+                        ended,
+                        arrived: way.arrived,
+                        digest: digest(&self.scratch[HEAD..]),
+                    };
+                    self.scratch.truncate(HEAD);
+                    self.scratch.extend_from_slice(&times.to_bytes());
+                }
                 let length = u32::try_from(self.scratch.len() - HEAD).unwrap_or(u32::MAX);
                 self.scratch[HEAD - 8..HEAD - 4].copy_from_slice(&number.to_le_bytes());
                 self.scratch[HEAD - 4..HEAD].copy_from_slice(&length.to_le_bytes());
@@ -106,6 +150,12 @@ impl Tape {
             }
         }
     }
+}
+
+fn digest(message: &[u8]) -> u64 {
+    let mut hasher = FxHasher::default();
+    hasher.write(message);
+    hasher.finish()
 }
 
 impl Reel {
@@ -146,18 +196,26 @@ impl Reel {
 pub struct Tapes {
     /// Whether there are tapes; spares the codel the lock when there are none.
     any: AtomicBool,
+    /// Whether one of them is of times; spares the codel the clock otherwise.
+    timed: AtomicBool,
     /// Locked by the codel at each sample, and by the supervisor only while all codels are
     /// excluded.
     all: Mutex<Vec<Tape>>,
 }
 
 impl Tapes {
+    /// When a write or a read begins, if a tape asks for it.
+    #[inline]
+    pub fn begin(&self) -> Option<u64> {
+        self.timed.load(Ordering::Relaxed).then(|| Dates::default().moment())
+    }
+
     /// Passes a sample to all tapes.
     #[inline]
-    pub fn take(&self, value: &Record) {
+    pub fn take(&self, value: &Record, way: Way) {
         if self.any.load(Ordering::Relaxed) {
             for tape in self.all.lock().unwrap_or_else(PoisonError::into_inner).iter_mut() {
-                tape.take(value);
+                tape.take(value, way);
             }
         }
     }
@@ -167,7 +225,7 @@ impl Tapes {
         let mut all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
         if all.iter().all(|tape| tape.session != session) {
             all.push(make());
-            self.any.store(true, Ordering::Relaxed);
+            self.note(&all);
         }
     }
 
@@ -175,7 +233,12 @@ impl Tapes {
     pub fn remove(&self, session: u64) {
         let mut all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
         all.retain(|tape| tape.session != session);
+        self.note(&all);
+    }
+
+    fn note(&self, all: &[Tape]) {
         self.any.store(!all.is_empty(), Ordering::Relaxed);
+        self.timed.store(all.iter().any(Tape::wants_times), Ordering::Relaxed);
     }
 }
 
@@ -195,15 +258,15 @@ mod tests {
         let mut table = TypeTable::default();
         let id = table.add(Kind::Double);
         let ty = DataType::new(&Arc::new(table), id).unwrap();
-        let (tape, mut reel) = tape(1, &ty, Dates::default());
+        let (tape, mut reel) = tape(1, &ty, Dates::default(), What::Contents);
         let tapes = Tapes::default();
         let mut value = Record::new(&ty);
-        tapes.take(&value);
+        tapes.take(&value, Way::default());
         tapes.add(1, || tape);
         let room = SMALLEST / (HEAD + 12);
         for number in 0..room + 5 {
             value.merge_json(&(number as f64).into()).unwrap();
-            tapes.take(&value);
+            tapes.take(&value, Way::default());
         }
         let mut seen = Vec::new();
         reel.wind(|sample| {
@@ -214,10 +277,36 @@ mod tests {
             seen.push(sample.number);
         });
         assert_eq!((seen.len(), reel.lost()), (room, 5));
-        tapes.take(&value);
+        tapes.take(&value, Way::default());
         reel.wind(|sample| seen.push(sample.number));
         assert_eq!(seen.last().copied(), u32::try_from(room + 5).ok());
         tapes.remove(1);
         assert!(reel.is_over());
+    }
+
+    #[test]
+    fn a_tape_of_times_has_when_and_a_digest_instead_of_the_content() {
+        let mut table = TypeTable::default();
+        let id = table.add(Kind::Double);
+        let ty = DataType::new(&Arc::new(table), id).unwrap();
+        let (tape, mut reel) = tape(1, &ty, Dates::default(), What::Times);
+        let tapes = Tapes::default();
+        assert_eq!(tapes.begin(), None, "nobody asks");
+        tapes.add(1, || tape);
+        let mut value = Record::new(&ty);
+        let begun = tapes.begin();
+        assert!(begun.is_some());
+        for (number, arrived) in [(1.0, None), (1.0, Some(7)), (2.0, None)] {
+            value.merge_json(&f64::into(number)).unwrap();
+            tapes.take(&value, Way { begun, arrived });
+        }
+        let mut seen = Vec::new();
+        reel.wind(|sample| seen.push(Times::from_bytes(sample.message).unwrap()));
+        let [first, same, other] = seen[..] else { panic!("{seen:?}") };
+        assert!(Some(first.begun) == begun && first.ended >= first.begun, "{first:?}");
+        assert_eq!((first.arrived, same.arrived), (None, Some(7)));
+        assert!(first.digest == same.digest && first.digest != other.digest);
+        tapes.remove(1);
+        assert_eq!(tapes.begin(), None);
     }
 }

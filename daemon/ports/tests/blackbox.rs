@@ -5,7 +5,7 @@ use std::sync::Arc;
 use genom_allocations as allocations;
 use genom_blackbox::{Memory, Writer, read};
 use genom_ports::dates::Dates;
-use genom_ports::tape::{Tape, Tapes};
+use genom_ports::tape::{Tape, Tapes, Way};
 use genom_types::{DataType, Kind, Record, TypeTable};
 
 #[test]
@@ -21,10 +21,11 @@ fn a_sample_in_the_black_box_allocates_nothing_however_many_there_are() {
     tapes.add(1, || Tape::boxed(1, &ty, Dates::default(), track));
     let mut value = Record::new(&ty);
     // Through all blocks of the track, many times.
-    let calls = allocations::within(|| (0..100_000).for_each(|_| tapes.take(&value)));
+    let calls =
+        allocations::within(|| (0..100_000).for_each(|_| tapes.take(&value, Way::default())));
     assert_eq!(calls, 0);
     value.merge_json(&0.5.into()).unwrap();
-    tapes.take(&value);
+    tapes.take(&value, Way::default());
     let kept = read(&memory).unwrap();
     let last = kept[0].records().last().unwrap();
     let mut decoded = Record::new(&ty);

@@ -36,6 +36,8 @@ pub enum Code {
     HeldUp,
     /// An error of the daemon itself.
     Internal,
+    /// The link to the web console was used already, or is too old.
+    LinkOver,
     /// The component did not stop in time: its name is free again, but its threads still run.
     LeftBehind,
     /// The body is not JSON.
@@ -50,6 +52,8 @@ pub enum Code {
     NoRelay,
     /// The black box is off.
     NoBlackBox,
+    /// The daemon has no web console.
+    NoConsole,
     /// There is no way from what runs to the deployment.
     NoPlan,
     /// There is no activity of that number, or none of that service.

@@ -215,6 +215,14 @@ pub struct Applied {
     pub beside: Vec<String>,
 }
 
+/// Result of undoing a deployment.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub struct TakenBack {
+    /// What could not be undone, a sentence each.
+    pub left: Vec<String>,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

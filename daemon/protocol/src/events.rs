@@ -41,7 +41,8 @@ pub enum Change {
     ComponentUnloaded { component: String },
     /// The library of a running component was exchanged.
     ComponentReloaded { component: String, library: String },
-    /// The process of a component's cell ended soon after a reload: it runs what it ran before.
+    /// Soon after a reload the process of a component's cell ended, or an activity of it ended with an
+    /// exception (`[reload]`): it runs what it ran before.
     ComponentRolledBack { component: String },
     /// The files of a component changed (`watch`), and it runs on as it was.
     ComponentNotReloaded { component: String, why: String },

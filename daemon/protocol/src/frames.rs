@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use crate::ClockKind;
+use crate::{ClockKind, is_false};
 
 /// Maximum length of a frame, in bytes.
 const LONGEST: usize = 256 << 20;
@@ -28,6 +28,10 @@ pub struct RecordingRequest {
     /// Components, ports, and elements of multiple ports; everything if empty.
     #[serde(default)]
     pub ports: Vec<String>,
+    /// Record when samples were written and read, and a digest of each, in place of contents:
+    /// channels of ports are then of encoding `times`.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub times: bool,
 }
 
 /// A recording was asked to end.
@@ -61,7 +65,7 @@ pub struct Channel {
     pub channel: u16,
     /// `/COMPONENT/PORT`, or `/genom/SUBJECT`.
     pub topic: String,
-    /// `cdr` or `json`.
+    /// `cdr`, `json` or `times`.
     pub encoding: String,
     /// Name of the schema of its messages.
     pub schema: String,
@@ -98,8 +102,51 @@ pub struct Sample<'a> {
     pub number: u32,
     /// When it was taken, in nanoseconds since 1970, or of the virtual clock.
     pub date: u64,
-    /// CDR with its encapsulation header, or JSON.
+    /// CDR with its encapsulation header, JSON, or [`Times`].
     pub message: &'a [u8],
+}
+
+/// When a sample was written or read: the message of channels of encoding `times`, as four `u64`,
+/// little endian, in this order. Dates are those of the machine's monotonic clock, in nanoseconds,
+/// which all processes of a machine share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Times {
+    /// When the codel's `write` or `read` began.
+    pub begun: u64,
+    /// When it ended.
+    pub ended: u64,
+    /// Of a sample that was read: since when it could have been; 0 is sent for `None`, where the
+    /// middleware does not know, or samples can be read as soon as `write` has ended.
+    pub arrived: Option<u64>,
+    /// A digest of the content: equal for equal contents, within one version of genomd.
+    pub digest: u64,
+}
+
+impl Times {
+    /// How many bytes are sent.
+    pub const BYTES: usize = 32;
+
+    /// As it is sent.
+    #[must_use]
+    pub fn to_bytes(&self) -> [u8; Self::BYTES] {
+        let mut bytes = [0; Self::BYTES];
+        let all = [self.begun, self.ended, self.arrived.unwrap_or(0), self.digest];
+        for (place, number) in bytes.chunks_exact_mut(8).zip(all) {
+            place.copy_from_slice(&number.to_le_bytes());
+        }
+        bytes
+    }
+
+    /// Read from a message; `None` if it has another length.
+    #[must_use]
+    pub fn from_bytes(message: &[u8]) -> Option<Self> {
+        let message: [u8; Self::BYTES] = message.try_into().ok()?;
+        let (numbers, _) = message.as_chunks::<8>();
+        let [begun, ended, arrived, digest] = numbers else { return None };
+        let [begun, ended, arrived, digest] =
+            [begun, ended, arrived, digest].map(|bytes| u64::from_le_bytes(*bytes));
+        Some(Self { begun, ended, arrived: Some(arrived).filter(|date| *date > 0), digest })
+    }
 }
 
 /// One frame.
@@ -251,6 +298,15 @@ mod tests {
             .append(&mut bytes);
         let head = [16, 0, 0, 0, SAMPLE, 3, 0, 7, 0, 0, 0, 9, 0, 0, 0, 0, 0, 0, 0, 0xAA];
         assert_eq!(bytes, head);
+    }
+
+    #[test]
+    fn times_are_read_back_as_sent() {
+        for arrived in [None, Some(5)] {
+            let times = Times { begun: 3, ended: 1 << 40, arrived, digest: u64::MAX };
+            assert_eq!(Times::from_bytes(&times.to_bytes()), Some(times));
+        }
+        assert_eq!(Times::from_bytes(&[0; 31]), None);
     }
 
     #[test]

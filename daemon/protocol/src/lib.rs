@@ -69,6 +69,7 @@ mod statistics;
 mod supervision;
 mod tokens;
 mod values;
+mod web;
 
 pub use about::{About, Ready, ReadyParameters, Stopping};
 pub use activities::{
@@ -87,6 +88,7 @@ pub use crashes::{Crash, CrashFault, CrashFrame, CrashReport, CrashedComponent, 
 pub use daemons::{Answered, Answers, AskParameters, Daemons, VisibleDaemon};
 pub use deployment::{
     Applied, CallEntry, ConnectionEntry, Deployment, DeploymentRequest, Dumped, RunningDeployment,
+    TakenBack,
 };
 pub use description::{
     Codel, CodelParameter, Description, Direction, Member, Parameter, PortDescription,
@@ -128,6 +130,7 @@ pub use supervision::{
 };
 pub use tokens::{Reloaded, TokenEntry, TokenFile};
 pub use values::{Form, StreamEnd, StreamParameters};
+pub use web::{Link, LinkRequest};
 
 /// Whether a flag is false: it is then left out of the JSON.
 fn is_false(flag: &bool) -> bool {

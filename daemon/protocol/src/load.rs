@@ -89,6 +89,9 @@ fn seconds<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> 
 }
 
 impl LoadRequest {
+    /// Keys that no user writes: daemons tell their cells by them where to go on.
+    pub const INTERNAL: [&str; 2] = ["instead", "resume"];
+
     /// The instance name, as far as it is known before the description is read.
     #[must_use]
     pub fn instance(&self) -> String {

@@ -7,10 +7,10 @@ use crate::{
     Aborted, About, Activities, AllAborted, Answers, Applied, BlackBox, BlackBoxLeft, CellEnds,
     Cells, Change, Clock, ComponentReload, Components, Connection, ConnectionRequest, Connections,
     CrashReport, Crashes, Daemons, DeploymentRequest, Description, Disconnected, Dumped, Findings,
-    Fired, Frozen, GoesOn, Inputs, LoadRequest, Logs, Middlewares, MoveRequest, Moved, PortTraffic,
-    PortType, Ports, Published, Ready, RecordingEnds, RecordingRequest, Refusal, ReloadRequest,
-    Reloaded, Replayed, Started, Statistics, StepRequest, Stopping, StreamEnd, ThawRequest, Thawed,
-    Unloaded, frames,
+    Fired, Frozen, GoesOn, Inputs, Link, LinkRequest, LoadRequest, Logs, Middlewares, MoveRequest,
+    Moved, PortTraffic, PortType, Ports, Published, Ready, RecordingEnds, RecordingRequest,
+    Refusal, ReloadRequest, Reloaded, Replayed, Started, Statistics, StepRequest, Stopping,
+    StreamEnd, ThawRequest, Thawed, Unloaded, frames,
 };
 
 /// Lists all types that cross the control plane, including those of streams and recordings, to
@@ -46,6 +46,8 @@ use crate::{
     Frozen,
     GoesOn,
     Inputs,
+    Link,
+    LinkRequest,
     LoadRequest,
     Logs,
     Middlewares,

@@ -18,6 +18,10 @@ pub struct ReloadRequest {
     #[serde(default, rename = "gen", skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "openapi", schema(value_type = Option<String>))]
     pub gen_file: Option<PathBuf>,
+    /// With another description: the component is stopped before the new one starts, which its start
+    /// codels may need. Periods are missed meanwhile.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub stop_first: bool,
 }
 
 /// A component runs another library.
@@ -29,8 +33,9 @@ pub struct ComponentReload {
     /// Path of the library that it runs now.
     #[cfg_attr(feature = "openapi", schema(value_type = String))]
     pub library: PathBuf,
-    /// Whether it was stopped and started again, with its IDS, last values of ports and activities:
-    /// its description changed, or it has native data.
+    /// Whether another one took its place, with its IDS, last values of ports and activities: its
+    /// description changed, or it has native data. Start codels of that ran, and stop codels of the one
+    /// before.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub restarted: bool,
     /// What is new, gone or converted, and what does not go on, with the reason.

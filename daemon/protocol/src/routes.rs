@@ -19,11 +19,11 @@ use crate::{
     BlackBoxLeft, CallParameters, CallReply, Cell, CellEnds, Cells, Change, ChangeParameters,
     Clock, Component, ComponentReload, Components, Connection, ConnectionRequest, Connections,
     CrashReport, Crashes, Daemons, DeploymentRequest, Description, Disconnected, Dumped, Findings,
-    Fired, Frozen, GoesOn, Inputs, LoadRequest, LogEntry, LogParameters, Logs, LookParameters,
-    MiddlewareParameters, Middlewares, MoveRequest, Moved, Port, PortParameters, PortTraffic,
-    PortType, Ports, Published, Ready, ReadyParameters, RecordingEnds, RecordingRequest,
-    ReloadRequest, Reloaded, Replayed, Right, Service, Statistics, StepRequest, Stopping,
-    StreamParameters, ThawRequest, Thawed, Unloaded, ValueParameters,
+    Fired, Frozen, GoesOn, Inputs, Link, LinkRequest, LoadRequest, LogEntry, LogParameters, Logs,
+    LookParameters, MiddlewareParameters, Middlewares, MoveRequest, Moved, Port, PortParameters,
+    PortTraffic, PortType, Ports, Published, Ready, ReadyParameters, RecordingEnds,
+    RecordingRequest, ReloadRequest, Reloaded, Replayed, Right, Service, Statistics, StepRequest,
+    Stopping, StreamParameters, TakenBack, ThawRequest, Thawed, Unloaded, ValueParameters,
 };
 
 /// HTTP method.
@@ -249,6 +249,8 @@ routes! {
     Get dump() [Read] "/deployment", Dumped;
     /// Applies a deployment.
     Post apply() [Admin] "/deployment" => DeploymentRequest, Applied;
+    /// Undoes what the last deployment did.
+    Post take_back() [Admin] "/deployment/take_back", TakenBack;
     /// Writes the state of the running system into the reply.
     Post freeze() [Admin] "/freeze", Frozen;
     /// Brings a system back as it was.
@@ -267,6 +269,8 @@ routes! {
     Get logs() [Read] "/logs" ?LogParameters, Logs;
     /// Streams entries of the log.
     Get log_stream() [Read] "/logs/stream" ?LogParameters, Stream<LogEntry>;
+    /// Makes a link that opens the web console, once.
+    Post web_link() [Read] "/web/links" => LinkRequest, Link;
     /// Metrics for Prometheus.
     Get metrics() [Read] "/metrics", Bytes;
     /// The clock of the components.

@@ -1,9 +1,13 @@
-//! Writes recordings as MCAP files: those that `genomctl record` receives, and those that a black
-//! box leaves.
+//! Recordings as MCAP files: writes those that `genomctl record` receives and those that a black box
+//! leaves, and reads them, whole or not.
 
 #![forbid(unsafe_code)]
 
 mod file;
+mod read;
 mod room;
 
 pub use file::{ChannelSummary, Recorder, WriteError};
+pub use read::error::ReadError;
+pub use read::walk::{Extent, Part, records, walk};
+pub use read::{Recorded, Recording};

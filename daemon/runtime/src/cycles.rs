@@ -27,6 +27,8 @@ pub(crate) struct Cycles {
     version: AtomicU64,
     over: Histogram,
     began: AtomicU64,
+    /// Date at which the last one began, also once it is over.
+    last: AtomicU64,
     /// How often a codel of this cycle yielded a state without pause.
     steps: AtomicU64,
     /// The last codel that did.
@@ -59,6 +61,7 @@ impl Default for Cycles {
             version: AtomicU64::new(0),
             over: Histogram::default(),
             began: AtomicU64::new(NONE),
+            last: AtomicU64::new(0),
             steps: AtomicU64::new(0),
             codel: AtomicU32::new(0),
         }
@@ -71,8 +74,14 @@ impl Cycles {
     pub(crate) fn begins(&self, date: u64) {
         self.change(|| {
             self.began.store(date, Ordering::Relaxed);
+            self.last.store(date, Ordering::Relaxed);
             self.steps.store(0, Ordering::Relaxed);
         });
+    }
+
+    /// When the last cycle began; 0 before the first.
+    pub(crate) fn last(&self) -> u64 {
+        self.last.load(Ordering::Relaxed)
     }
 
     /// The cycle ends at this date.

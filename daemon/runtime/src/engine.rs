@@ -26,6 +26,8 @@ const SPARE_FRAMES: usize = 2;
 /// State of a running instance.
 pub(crate) struct Engine {
     pub(crate) name: String,
+    /// Ticks are counted from this date.
+    pub(crate) epoch: u64,
     pub(crate) shared: Arc<Shared>,
     pub(crate) supervision: Arc<dyn Supervision>,
     pub(crate) watcher: Option<Arc<dyn Watcher>>,
@@ -107,6 +109,7 @@ impl Engine {
         let tasks = shared.tasks.iter().map(|_| Window::default()).collect();
         Self {
             name: options.name,
+            epoch: options.epoch.unwrap_or_default(),
             shared,
             supervision: options.supervision,
             watcher: options.watcher,

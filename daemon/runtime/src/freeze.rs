@@ -9,10 +9,8 @@ use crate::control::{Control, Entry, Phase, Stage};
 use crate::engine::Engine;
 use crate::frozen::{Frozen, FrozenActivity, FrozenToken, Waiting};
 use crate::running::HeldUp;
+use crate::still::{LOOK, Still};
 use crate::task::run::{Mode, Run, Status};
-
-/// Pause between two attempts: nobody is kept waiting by one that fails.
-const LOOK: Duration = Duration::from_micros(500);
 
 /// An instance could not be frozen.
 #[derive(Debug, thiserror::Error)]
@@ -38,8 +36,8 @@ impl Engine {
         let end = Instant::now() + patience;
         loop {
             let by = self.running_codels().into_iter().max_by_key(|codel| codel.for_ns);
-            if let Some(frozen) = self.try_freeze(end, also) {
-                return frozen.ok_or_else(|| FreezeError::Stopping { instance: self.name.clone() });
+            if let Some(still) = self.try_still() {
+                return self.frozen_now(&still, also);
             }
             if Instant::now() >= end {
                 let by = by.map(Box::new);
@@ -49,46 +47,17 @@ impl Engine {
         }
     }
 
-    /// `None` while a codel runs; `Some(None)` when the instance stops.
-    fn try_freeze(&self, end: Instant, also: &mut dyn FnMut()) -> Option<Option<Frozen>> {
-        let shared = &self.shared;
-        // On a virtual clock: no step is under way in this instance.
-        let _still = match &self.driven {
-            Some(driven) => Some(driven.try_lock().ok()?),
-            None => None,
-        };
-        let _one = self.everything.try_lock().ok()?;
-        // Of tasks that make a pass, one is waited for while no other is kept from its own: it may
-        // hardly ever be between two passes by chance.
-        let all: Vec<_> = self.gates.iter().map(|gate| gate.try_lock()).collect();
-        let mut gates = match all.iter().position(Option::is_none) {
-            None => all,
-            Some(busy) => {
-                drop(all);
-                let task = self.shared.tasks.places().nth(busy)?;
-                let mut waited = self.gates[task].lock_until(end);
-                let others = self.gates.pairs();
-                others
-                    .map(
-                        |(other, gate)| if other == task { waited.take() } else { gate.try_lock() },
-                    )
-                    .collect()
-            }
-        };
-        let mut gates: Vec<_> = gates.drain(..).collect::<Option<_>>()?;
-        let outside = shared.outside_context();
-        let _permit = shared.exclusion.enter_all(outside, Some(Duration::ZERO))?;
-        // Async codels of requests, which the exclusion does not wait for.
-        if (self.gates.len()..outside).any(|context| shared.current(context).is_some()) {
-            return None;
-        }
+    pub(crate) fn frozen_now(
+        &self,
+        still: &Still<'_>,
+        also: &mut dyn FnMut(),
+    ) -> Result<Frozen, FreezeError> {
         let control = self.lock();
         if control.phase != Phase::Running {
-            return Some(None);
+            return Err(FreezeError::Stopping { instance: self.name.clone() });
         }
         let mut activities = Vec::new();
-        for inside in &mut gates {
-            inside.admit_sent();
+        for inside in &still.tasks {
             activities.extend(inside.core.runs().filter_map(|run| self.frozen(&control, run)));
         }
         for entry in &control.entries {
@@ -104,11 +73,11 @@ impl Engine {
         }
         also();
         let executed = control.services.pairs().filter(|(_, queue)| queue.ran);
-        Some(Some(Frozen {
-            ids: shared.body.ids(),
+        Ok(Frozen {
+            ids: self.shared.body.ids(),
             executed: executed.map(|(service, _)| service).collect(),
             activities,
-        }))
+        })
     }
 
     fn frozen(&self, control: &Control, run: &Run) -> Option<FrozenActivity> {

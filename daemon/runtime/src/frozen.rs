@@ -128,6 +128,9 @@ pub struct Resumed {
     pub activity: FrozenActivity,
     /// Hears that it was accepted, and how it ended; not for permanent ones.
     pub reply: Option<Reply>,
+    /// Who waits for it in the instance that [hands it over](crate::Instance::hand_over) goes on to
+    /// wait here, and hears nothing of that; `reply` is not used.
+    pub goes_on: bool,
 }
 
 impl fmt::Debug for Resumed {

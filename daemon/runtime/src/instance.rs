@@ -14,7 +14,8 @@ use crate::body::Body;
 use crate::clock::nanos;
 use crate::engine::{ActivityStatus, Engine, NoSuchActivity, OVER};
 use crate::freeze::FreezeError;
-use crate::frozen::Frozen;
+use crate::frozen::{Frozen, Resume};
+use crate::handover::HeirIds;
 use crate::lock::lock;
 use crate::options::Options;
 use crate::plan::{Plan, owner_name};
@@ -187,6 +188,33 @@ impl Instance {
         also: &mut dyn FnMut(),
     ) -> Result<Frozen, FreezeError> {
         self.engine.freeze(patience, also)
+    }
+
+    /// Hands its state over to `heir`, which [`Resume::hold`] holds, at a moment of rest between two
+    /// ticks: the heir serves the next one. Activities go on there with their numbers. This instance
+    /// shuts down, within `timeout`, without them; wait for that with
+    /// [`finish_shutdown`](Self::finish_shutdown).
+    ///
+    /// `convert` makes what the heir takes, for which it may change its IDS at once, and `exchange` gives the ports of the first body to the
+    /// second; no codel of the two runs meanwhile, and neither may block.
+    ///
+    /// # Errors
+    /// There was no such moment within `limit`, or `convert` failed. Nothing was done.
+    pub fn hand_over<E>(
+        &self,
+        heir: &Self,
+        (limit, timeout): (Duration, Duration),
+        convert: impl FnOnce(Frozen, &HeirIds<'_>) -> Result<Resume, E>,
+        exchange: impl FnOnce(&dyn Body, &dyn Body),
+    ) -> Result<Result<(), E>, NoRest> {
+        let limits = (limit, Instant::now() + limit + timeout);
+        self.engine.hand_over(&heir.engine, limits, convert, exchange)
+    }
+
+    /// The date from which its ticks are counted.
+    #[must_use]
+    pub fn epoch(&self) -> u64 {
+        self.engine.epoch
     }
 
     /// Lets the tasks go on that [`Resume::hold`] holds.

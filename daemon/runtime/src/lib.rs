@@ -24,6 +24,7 @@ mod executor;
 mod figures;
 mod freeze;
 mod frozen;
+mod handover;
 mod histogram;
 mod instance;
 mod lock;
@@ -38,6 +39,7 @@ mod shared;
 mod shutdown;
 mod start;
 mod statistics;
+mod still;
 mod stuck;
 mod task;
 mod ticket;
@@ -59,6 +61,7 @@ pub use freeze::FreezeError;
 pub use frozen::{
     ChangeIds, Frozen, FrozenActivity, FrozenPort, FrozenToken, Resume, Resumed, Waiting,
 };
+pub use handover::HeirIds;
 pub use histogram::Durations;
 pub use instance::{Instance, NoSuchEvent};
 pub use options::{ACTIVITY_LIMIT, Execution, GiveUp, Options, STUCK_AFTER, TaskOptions};

@@ -65,6 +65,8 @@ pub struct Options {
     pub rules: Vec<Supervised>,
     /// Where another instance of the component was, to go on from there.
     pub resume: Option<Resume>,
+    /// The [epoch](crate::Instance::epoch) of an instance whose ticks this one continues.
+    pub epoch: Option<u64>,
 }
 
 /// Default of [`Options::stuck_after`].
@@ -101,6 +103,7 @@ impl Options {
             stuck_after: STUCK_AFTER,
             rules: Vec::new(),
             resume: None,
+            epoch: None,
         }
     }
 }

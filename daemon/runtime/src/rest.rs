@@ -8,15 +8,9 @@ use genom_description::model::TaskIx;
 use crate::body::Body;
 use crate::control::Phase;
 use crate::engine::Engine;
-use crate::exclusion::Permit;
-use crate::lock::Guard;
 use crate::running::HeldUp;
-use crate::task::driven::DrivenTask;
-use crate::task::gate::Held;
+use crate::still::{LOOK, Still};
 use crate::task::run::{Mode, Run};
-
-/// Pause between two attempts.
-const LOOK: Duration = Duration::from_micros(500);
 
 /// There was no moment of rest in time. Nothing was done.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -72,15 +66,32 @@ impl Engine {
         limit: Duration,
         work: impl FnOnce(Rest<'_>) -> R,
     ) -> Result<R, NoRest> {
+        self.still_at_rest(limit, false, |_| work(Rest(self.shared.body.as_ref())))
+    }
+
+    /// The same, with what is kept still. `served`: only at a moment at which no tick that was due is
+    /// waiting to be served, unless there is none for half of the time.
+    pub(crate) fn still_at_rest<R>(
+        &self,
+        limit: Duration,
+        served: bool,
+        work: impl FnOnce(&mut Still<'_>) -> R,
+    ) -> Result<R, NoRest> {
         let instance = || self.name.clone();
-        let end = Instant::now() + limit;
+        let begin = Instant::now();
+        let end = begin + limit;
         let mut restless = None;
         loop {
             if matches!(self.lock().phase, Phase::Stopping | Phase::Stopped) {
                 return Err(NoRest::Stops { instance: instance() });
             }
             match self.try_rest() {
-                Ok(_still) => return Ok(work(Rest(self.shared.body.as_ref()))),
+                Ok(still)
+                    if served && begin.elapsed() < limit / 2 && !self.has_served_its_ticks() =>
+                {
+                    drop(still);
+                }
+                Ok(mut still) => return Ok(work(&mut still)),
                 Err(task) => restless = restless.max(task),
             }
             let late = Instant::now() >= end;
@@ -100,34 +111,24 @@ impl Engine {
         }
     }
 
+    /// Whether no tick that was due is waiting to be served.
+    fn has_served_its_ticks(&self) -> bool {
+        let now = self.shared.clock.now();
+        self.shared.tasks.iter().all(|task| {
+            let due = task.timing.map(|timing| timing.after(now).saturating_sub(timing.period));
+            due.is_none_or(|due| self.driven.is_some() || task.figures.cycles.last() >= due)
+        })
+    }
+
     /// Keeps all codels from running, if none does and all activities are at a pause; otherwise
     /// names a task with one that is not, if that is the reason.
     fn try_rest(&self) -> Result<Still<'_>, Option<TaskIx>> {
-        let driven = match &self.driven {
-            Some(driven) => Some(driven.try_lock().map_err(|_| None)?),
-            None => None,
-        };
-        let one = self.everything.try_lock().map_err(|_| None)?;
-        let mut gates = Vec::with_capacity(self.gates.len());
-        for (task, gate) in self.gates.pairs() {
-            let mut inside = gate.try_lock().ok_or(None)?;
-            inside.admit_sent();
-            let ready = |run: &Run| run.tokens.iter().any(|token| token.mode == Mode::Ready);
-            if inside.core.runs().any(ready) {
-                return Err(Some(task));
-            }
-            gates.push(inside);
+        let still = self.try_still().ok_or(None)?;
+        let ready = |run: &Run| run.tokens.iter().any(|token| token.mode == Mode::Ready);
+        let mut tasks = self.shared.tasks.places().zip(&still.tasks);
+        match tasks.find(|(_, inside)| inside.core.runs().any(ready)) {
+            Some((task, _)) => Err(Some(task)),
+            None => Ok(still),
         }
-        let outside = self.shared.outside_context();
-        let permit = self.shared.exclusion.stand_still(outside, Some(Duration::ZERO));
-        Ok(Still { _permit: permit.ok_or(None)?, _gates: gates, _one: one, _driven: driven })
     }
-}
-
-/// Keeps codels from running until it is dropped.
-struct Still<'a> {
-    _permit: Permit<'a>,
-    _gates: Vec<Held<'a>>,
-    _one: Guard<'a, ()>,
-    _driven: Option<Guard<'a, Vec<DrivenTask>>>,
 }

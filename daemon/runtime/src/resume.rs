@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use genom_description::model::{Ix as _, Owner, PortDirection, ServiceIx};
+use genom_types::Record;
 use serde_json::Value;
 
 use crate::api::{ActivityPhase, Outcome, Progress, Reply};
@@ -29,9 +30,8 @@ impl Engine {
         let model = self.shared.plan.component();
         {
             let _gates: Vec<_> = self.gates.iter().map(|gate| gate.lock()).collect();
-            if let (Some(change), Some(mut ids)) = (resume.ids, body.ids()) {
-                change(&mut ids);
-                body.set_ids(&ids);
+            if let Some(change) = resume.ids {
+                self.change_ids(change);
             }
             let is_out = |port| {
                 let port = model.ports.get(port);
@@ -55,14 +55,23 @@ impl Engine {
             }
         }
         self.resume_permanent(&resume.activities);
-        for Resumed { activity, reply } in resume.activities {
+        for Resumed { activity, reply, goes_on } in resume.activities {
             if let (Owner::Service(service), Some(reply)) = (activity.owner, reply) {
-                self.resume_activity(service, activity, reply);
+                self.resume_activity(service, activity, reply, !goes_on);
             }
         }
         self.lock().entries.sort_by_key(|entry| entry.id);
         if !resume.hold {
             self.go_on();
+        }
+    }
+
+    /// Changes the IDS, while no codel runs.
+    pub(crate) fn change_ids(&self, change: impl FnOnce(&mut Record)) {
+        let body = &self.shared.body;
+        if let Some(mut ids) = body.ids() {
+            change(&mut ids);
+            body.set_ids(&ids);
         }
     }
 
@@ -122,7 +131,13 @@ impl Engine {
         }
     }
 
-    fn resume_activity(&self, service: ServiceIx, activity: FrozenActivity, mut reply: Reply) {
+    fn resume_activity(
+        &self,
+        service: ServiceIx,
+        activity: FrozenActivity,
+        mut reply: Reply,
+        tell: bool,
+    ) {
         let compiled = &self.shared.plan.services()[service];
         let name = &self.shared.plan.component().services[service].name;
         let refuse = |mut reply: Reply, why: String, exception| {
@@ -159,13 +174,16 @@ impl Engine {
         let mut run = self.new_run(id, machine, frame);
         run.tokens.extend(tokens);
         let marker = Arc::clone(&run.marker);
-        if let Some(watcher) = &self.watcher {
+        let watcher = self.watcher.as_ref().filter(|_| tell);
+        if let Some(watcher) = watcher {
             watcher.changed(&Change::Accepted { activity: id, service });
         }
-        reply(Progress::Accepted { activity: id });
+        if tell {
+            reply(Progress::Accepted { activity: id });
+        }
         if let Some(token) = run.tokens.last() {
             marker.show(*token);
-            if let Some(watcher) = &self.watcher {
+            if let Some(watcher) = watcher {
                 let (state, paused) = marker.place();
                 watcher.changed(&Change::Moved { activity: id, state, paused });
             }

@@ -11,7 +11,7 @@ use rtrb::Producer;
 use crate::at_work::AtWork;
 use crate::body::Body;
 use crate::clock::Clock;
-use crate::exclusion::Exclusion;
+use crate::exclusion::{Exclusion, PiLock};
 use crate::figures::{CodelFigures, TaskFigures};
 use crate::histogram::Counter;
 use crate::plan::Plan;
@@ -42,6 +42,10 @@ pub(crate) struct Shared {
     pub(crate) stopping: AtomicBool,
     /// Tasks make no pass after their first one while this is set.
     pub(crate) held: AtomicBool,
+    /// Another instance hands over to this one, which is held until that is done.
+    pub(crate) takes_over: AtomicBool,
+    /// Locked meanwhile.
+    pub(crate) turnstile: PiLock,
     /// Notices dropped because the ring was full.
     pub(crate) lost: Counter,
 }
@@ -107,6 +111,8 @@ impl Shared {
             attention: AtomicBool::new(false),
             stopping: AtomicBool::new(false),
             held: AtomicBool::new(false),
+            takes_over: AtomicBool::new(false),
+            turnstile: PiLock::default(),
             lost: Counter::default(),
             plan: Arc::clone(plan),
         }

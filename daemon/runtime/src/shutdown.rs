@@ -159,7 +159,7 @@ impl Engine {
     }
 
     /// Takes all steps on a virtual clock, where this thread runs the codels.
-    fn drive_shutdown(&self, deadline: Instant) {
+    pub(crate) fn drive_shutdown(&self, deadline: Instant) {
         let reached =
             |step: Step| self.drive_until(deadline, |engine| engine.is_done(&engine.lock(), step));
         reached(Step::Activities);
@@ -175,7 +175,7 @@ impl Engine {
     }
 
     /// genom3.md 7.7.1; `false` when another thread has begun the shutdown before.
-    fn stop_activities(&self, ended: Option<OnShutdown>) -> bool {
+    pub(crate) fn stop_activities(&self, ended: Option<OnShutdown>) -> bool {
         let mut after = Afterwards::default();
         {
             let mut control = self.lock();
@@ -205,23 +205,30 @@ impl Engine {
     }
 
     /// Asks a permanent activity to stop. For one that has ended, a new run is made for its `stop`
-    /// codel.
+    /// codel; for one that ends by itself after this, when it is collected.
     fn stop_permanent(&self, task: TaskIx) {
-        let marker = {
+        let asked = {
             let control = self.lock();
             let mut entries = control.entries.iter();
             let permanent =
                 |entry: &&crate::control::Entry| entry.task == task && entry.service.is_none();
-            entries.find(permanent).map(|entry| std::sync::Arc::clone(&entry.marker))
+            // Under the lock: it is collected either before, or with the request.
+            entries.find(permanent).map(|entry| entry.marker.request_stop()).is_some()
         };
-        let machine = &self.shared.plan.machines()[task.index()];
-        match marker {
-            Some(marker) => marker.request_stop(),
+        if !asked {
             // Without a thread it never ran a codel: there is nothing to undo.
-            None if machine.codel(machine.stop).is_none() || !self.has_thread(task) => return,
-            None => self.send_permanent(task, true),
+            if !self.has_stop(task) || !self.has_thread(task) {
+                return;
+            }
+            self.send_permanent(task, true);
         }
         self.shared.tasks[task].hurry();
+    }
+
+    /// Whether the permanent activity of a task has a `stop` codel.
+    pub(crate) fn has_stop(&self, task: TaskIx) -> bool {
+        let machine = &self.shared.plan.machines()[task.index()];
+        machine.codel(machine.stop).is_some()
     }
 
     fn has_thread(&self, task: TaskIx) -> bool {

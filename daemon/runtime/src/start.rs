@@ -8,7 +8,7 @@ use genom_description::model::{Ix as _, Owner, Task, TaskIx};
 use rtrb::RingBuffer;
 
 use crate::api::Exception;
-use crate::body::Body;
+use crate::body::{Body, Frame};
 use crate::clock::{Clock, nanos};
 use crate::control::{Control, Entry, Phase, Stage, TaskLink};
 use crate::engine::Engine;
@@ -129,7 +129,9 @@ impl Engine {
             })?;
         }
         let call = single.as_ref().map(|executor| Arc::new(executor.call()));
-        let epoch = single.as_ref().map_or_else(|| clock.now(), |executor| executor.epoch());
+        let first = || single.as_ref().map_or_else(|| clock.now(), |executor| executor.epoch());
+        let epoch = options.epoch.unwrap_or_else(first);
+        options.epoch = Some(epoch);
         let timings =
             model.tasks.iter().zip(&of_task).map(|(task, o)| timing(task, o, epoch)).collect();
         let mut rules = std::mem::take(&mut options.rules);
@@ -234,7 +236,17 @@ impl Engine {
     pub(crate) fn send_permanent(&self, task: TaskIx, at_stop: bool) {
         // The machines of permanent activities come first, in the order of tasks.
         let frame = self.shared.body.frame(Owner::Task(task));
-        let mut control = self.lock();
+        self.send_permanent_with(&mut self.lock(), task, frame, at_stop);
+    }
+
+    /// The same, with a frame that there is.
+    pub(crate) fn send_permanent_with(
+        &self,
+        control: &mut Control,
+        task: TaskIx,
+        frame: Box<dyn Frame>,
+        at_stop: bool,
+    ) {
         let mut run = self.new_run(control.new_id(), task.index(), frame);
         run.at_stop = at_stop;
         control.entries.push(Entry {

@@ -7,10 +7,9 @@ mod support;
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::Duration;
 
-use genom_runtime::{
-    Clock, ConnectionError, Instance, Options, Plan, Progress, Supervision, VirtualClock,
-};
+use genom_runtime::{Clock, Instance, Options, Plan, Progress, VirtualClock};
 use proptest::prelude::*;
+use support::closures::Nobody;
 use support::scripted::{Answer, Script, Scripted, Shared};
 
 const GEN: &str = "component demo {
@@ -73,18 +72,6 @@ fn step() -> impl Strategy<Value = Step> {
         1 => Just(Step::Fire),
         4 => (0u64..12).prop_map(Step::Advance),
     ]
-}
-
-struct Nobody;
-
-impl Supervision for Nobody {
-    fn connect_port(&self, _: &str, _: &str) -> Result<(), ConnectionError> {
-        Ok(())
-    }
-    fn connect_service(&self, _: &str, _: &str) -> Result<(), ConnectionError> {
-        Ok(())
-    }
-    fn kill(&self) {}
 }
 
 /// Plays the steps and shuts down; returns the answers by request, and the calls.

@@ -64,16 +64,17 @@ fn no_codel_runs_while_a_component_rests_not_even_an_async_one() {
 
 #[test]
 fn each_activity_is_at_a_pause_while_a_component_rests() {
-    // Between two states without pause the count is odd.
-    let count = Arc::new(AtomicU64::new(0));
-    let counts = |event| {
-        let count = Arc::clone(&count);
-        codel(move || {
-            count.fetch_add(1, Ordering::SeqCst);
-            event
-        })
-    };
     for period in ["period 1 ms;", ""] {
+        // Between two states without pause the count is odd. Each instance has its own: a shutdown
+        // may come between the two.
+        let count = Arc::new(AtomicU64::new(0));
+        let counts = |event| {
+            let count = Arc::clone(&count);
+            codel(move || {
+                count.fetch_add(1, Ordering::SeqCst);
+                event
+            })
+        };
         let body = Closures::new(
             &format!(
                 "component test {{

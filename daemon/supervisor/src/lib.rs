@@ -31,11 +31,10 @@
 
 #![forbid(unsafe_code)]
 
-pub mod bus;
+pub use genom_bus::{self as bus, flag};
 pub mod components;
 pub mod connections;
 pub mod deploy;
-pub mod flag;
 pub mod known;
 pub mod limits;
 pub mod loading;
@@ -51,5 +50,5 @@ mod vigil;
 mod waiting;
 
 pub use genom_configuration::LoadRequest;
-pub use settings::Settings;
+pub use settings::{Settings, Trials};
 pub use supervisor::Supervisor;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use genom_configuration::{ClockKind, Config, ExecutionKind, Offers};
+use genom_configuration::{ClockKind, Config, ExecutionKind, Offers, ReloadSection};
 use genom_registry::Gateways;
 
 /// Settings that apply to all components of a supervisor.
@@ -38,9 +38,20 @@ pub struct Settings {
     pub keep_results: Duration,
     /// Where is kept what components ran before a reload, until the new library has proved itself;
     /// set in a cell.
-    pub trials: Option<PathBuf>,
+    pub trials: Option<Trials>,
+    /// How long a new library is on trial, and what takes it back.
+    pub reload: ReloadSection,
     /// Which services are offered on which middlewares.
     pub offers: Offers,
+}
+
+/// How new libraries are tried in a cell.
+#[derive(Clone, Debug)]
+pub struct Trials {
+    /// Where is kept what ran before.
+    pub place: PathBuf,
+    /// The program that loads a library beforehand (`genomd --check`); without, none does.
+    pub program: Option<PathBuf>,
 }
 
 impl From<Config> for Settings {
@@ -61,6 +72,7 @@ impl From<Config> for Settings {
             max_activities: config.max_activities,
             keep_results: Duration::from_secs(config.rpc.keep_results),
             trials: None,
+            reload: config.reload,
             offers: config.services,
         }
     }

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use genom_blackbox::Memory;
 use genom_configuration::{BlackBoxSection, ClockKind, ExecutionKind};
 use genom_ports::dates::Dates;
+use genom_protocol::RecordingRequest;
 use genom_registry::Backends;
 use genom_runtime::{Clock, Execution, Executor, VirtualClock};
 
@@ -156,7 +157,7 @@ impl Supervisor {
 
     /// Starts a recording of these components and ports, or of everything if `wanted` is empty.
     /// Samples are taken from now on. Blocks while codels are excluded.
-    pub fn record(&self, wanted: Vec<String>) -> Arc<Session> {
+    pub fn record(&self, wanted: RecordingRequest) -> Arc<Session> {
         let session = self.recordings.start(wanted);
         self.components.all().iter().for_each(|hosted| hosted.record());
         session

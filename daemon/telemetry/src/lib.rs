@@ -9,6 +9,7 @@
 
 pub mod logs;
 mod page;
+pub mod selection;
 
 pub use page::Page;
 

@@ -17,12 +17,13 @@ use tracing_subscriber::util::{SubscriberInitExt as _, TryInitError};
 use tracing_subscriber::{EnvFilter, Layer};
 
 /// The crates that a filter for `genomd` includes: to users they are one program.
-const PARTS: [&str; 9] = [
+const PARTS: [&str; 10] = [
     "genomd",
     "genom_cells",
     "genom_systemd",
     "genom_telemetry",
     "genom_doors",
+    "genom_web",
     "genom_supervisor",
     "genom_ports",
     "genom_registry",

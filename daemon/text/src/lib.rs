@@ -25,9 +25,12 @@
 
 pub mod diagnostic;
 mod lex;
+pub mod pkg_config;
 pub mod preprocess;
+mod printed;
 mod ptoken;
 pub mod source;
 pub mod token;
 
 pub use lex::is_name;
+pub use printed::printed;

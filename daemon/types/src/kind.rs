@@ -162,6 +162,25 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// The Rust type of a number: the one of its size and sign (genom3.md 5.2); `None` for anything
+    /// else. `char` of IDL is a signed byte.
+    #[must_use]
+    pub fn rust_number(&self) -> Option<&'static str> {
+        Some(match self {
+            Kind::Char => "i8",
+            Kind::Octet => "u8",
+            Kind::Short => "i16",
+            Kind::UnsignedShort => "u16",
+            Kind::Long => "i32",
+            Kind::UnsignedLong => "u32",
+            Kind::LongLong => "i64",
+            Kind::UnsignedLongLong => "u64",
+            Kind::Float => "f32",
+            Kind::Double => "f64",
+            _ => return None,
+        })
+    }
+
     /// The full name, for kinds that have one.
     #[must_use]
     pub fn name(&self) -> Option<&ScopedName> {

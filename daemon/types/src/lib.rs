@@ -58,6 +58,7 @@ mod layout;
 mod memory;
 pub mod message;
 mod names;
+pub mod native;
 mod path;
 mod record;
 mod room;

@@ -129,6 +129,13 @@ pub trait Subscription: Send {
         false
     }
 
+    /// When the sample arrived that was read last, on `CLOCK_MONOTONIC` in nanoseconds: from then
+    /// on a read would have found it. `None` if this middleware does not know, or if a sample can
+    /// be read as soon as `publish` has returned.
+    fn arrived(&self) -> Option<u64> {
+        None
+    }
+
     /// Number of samples lost so far: overwritten (ring), dropped (queue) or not decodable.
     fn dropped(&self) -> u64;
 }

@@ -10,13 +10,9 @@
     reason = "programs that measure end when something is wrong"
 )]
 
-pub mod clock;
-pub mod figures;
-pub mod iceoryx;
 pub mod octets;
-pub mod pair;
 
-pub use figures::Figures;
+pub use genom_floor::{Figures, FloorError, bare, clock, pair};
 
 /// Sizes in bytes of the values in every benchmark.
 pub const SIZES: [usize; 4] = [64, 4 << 10, 64 << 10, 1 << 20];

@@ -73,6 +73,39 @@ pub(super) fn connect(writer: &mut dyn Publisher, reader: &mut dyn Subscription)
     }
 }
 
+/// Writes samples and reads each by all readers, as ticks do. Returns by how much `count`, such as
+/// the number of allocations of this thread, grew in calls of the ends.
+///
+/// # Panics
+/// A call of an end fails, or a sample does not arrive.
+pub fn grown_in_ticks(
+    writer: &mut dyn Publisher,
+    readers: &mut [Box<dyn Subscription>],
+    count: impl Fn() -> u64,
+) -> u64 {
+    let (mut sent, mut got) = (numbered(0), Record::new(&state()));
+    let mut counted = 0;
+    for n in 1..200 {
+        set_number(&mut sent, n);
+        let before = count();
+        writer.publish(&sent).unwrap();
+        counted += count() - before;
+        for reader in &mut *readers {
+            eventually("the sample arrives", || {
+                let before = count();
+                let reading = reader.read(&mut got).unwrap();
+                counted += count() - before;
+                reading == Reading::New && number(&got) == n
+            });
+        }
+        // The first round allocates what the thread itself needs.
+        if n == 1 {
+            counted = 0;
+        }
+    }
+    counted
+}
+
 /// A reader gets what was written, once.
 pub fn a_reader_sees_what_was_written(world: &dyn World) {
     let (a, b) = (world.join(), world.join());

@@ -17,12 +17,14 @@
 #![forbid(unsafe_code)]
 
 mod channel;
+mod door;
 mod place;
 pub mod proxy;
 mod server;
 mod wire;
 mod words;
 
+pub use door::{Door, knock};
 pub use place::{Reach, cell_of, middleware_of};
 pub use proxy::{Closed, Proxy};
 pub use server::{Listening, Server};

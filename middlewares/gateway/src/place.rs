@@ -37,17 +37,24 @@ impl Reach {
         path.into()
     }
 
-    /// Where the daemon is asked to start a gateway: whoever connects sends a line with the name
-    /// of the middleware, and reads why there is no gateway, or nothing when there is one.
+    /// The door of the daemon at which it is asked to start a gateway: whoever knocks sends a line
+    /// with the name of the middleware, and reads why there is no gateway, or nothing when there is
+    /// one.
     #[must_use]
     pub fn bell(&self) -> PathBuf {
-        self.beside(".gateways")
+        self.directory().join("bell")
     }
 
-    /// The socket of a gateway.
+    /// The door of a gateway, in a directory of its own.
     #[must_use]
-    pub fn socket(&self, middleware: &str) -> PathBuf {
-        self.beside(".cells").join(cell_of(middleware)).join("ends")
+    pub fn door(&self, middleware: &str) -> PathBuf {
+        self.directory().join(middleware).join("door")
+    }
+
+    /// The directory with all these doors in it.
+    #[must_use]
+    pub fn directory(&self) -> PathBuf {
+        self.beside(".gateways")
     }
 }
 
@@ -58,9 +65,10 @@ mod tests {
     #[test]
     fn gateways_are_found_from_the_socket_of_their_daemon() {
         let reach = Reach::new(Path::new("/run/genomd.sock"));
-        assert_eq!(reach.bell(), Path::new("/run/genomd.sock.gateways"));
-        let socket = Path::new("/run/genomd.sock.cells/gateway-ros2/ends");
-        assert_eq!(reach.socket("ros2"), socket);
+        assert_eq!(reach.bell(), Path::new("/run/genomd.sock.gateways/bell"));
+        let door = Path::new("/run/genomd.sock.gateways/ros2/door");
+        assert_eq!(reach.door("ros2"), door);
+        assert!(door.starts_with(reach.directory()));
         assert_eq!(middleware_of(&cell_of("ros2")), Some("ros2"));
         assert_eq!(middleware_of("arm"), None);
     }

@@ -5,7 +5,6 @@
 mod world;
 
 use std::io::{Read as _, Write as _};
-use std::os::unix::net::UnixStream;
 use std::time::Duration;
 
 use genom_conformance::ports::{read_until, reader, writer};
@@ -39,7 +38,7 @@ fn nonsense_ends_its_connection_and_no_other() {
     let proxy = house.proxy(0);
     let (mut out, mut seen) = (writer(&proxy), reader(&proxy, Policy::Latest));
     let hello = message(r#"{"Hello":{"protocol":1}}"#);
-    let socket = house.reach(0).socket("zenoh");
+    let door = house.reach(0).door("zenoh");
     let open = |ty: &str| {
         let address = r#""address":{"instance":"a","name":"b"}"#;
         let quality = r#""quality":{"reliable":null,"depth":null,"transient_local":null}"#;
@@ -56,7 +55,7 @@ fn nonsense_ends_its_connection_and_no_other() {
         [hello.clone(), hello.clone()].concat(),
     ];
     for (round, bytes) in fatal.iter().enumerate() {
-        let mut stream = UnixStream::connect(&socket).unwrap();
+        let mut stream = genom_gateway::knock(&door).unwrap();
         stream.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
         // It may be closed before all of it was sent.
         let _ = stream.write_all(bytes);
@@ -68,7 +67,7 @@ fn nonsense_ends_its_connection_and_no_other() {
         read_until(&mut *seen, round as u64 + 1);
     }
     // What is refused, and not the end of the connection.
-    let mut stream = UnixStream::connect(&socket).unwrap();
+    let mut stream = genom_gateway::knock(&door).unwrap();
     let endless = r#"{"types":[{"Typedef":{"name":["t"],"target":0}}],"digest":""}"#;
     let cut = r#"{"types":[{"Sequence":{"element":9,"bound":null}}],"digest":""}"#;
     let refused = [

@@ -6,6 +6,8 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
+use rustix::time::{ClockId, clock_gettime};
+
 use crate::index_ring::{IndexRing, MAX_INDEX};
 
 /// Greatest number of messages that a mailbox can hold.
@@ -41,6 +43,10 @@ pub struct Mailbox<T = Vec<u8>> {
     ring: IndexRing,
     full: Full,
     lost: AtomicU64,
+    /// Whether messages are dated; see [`dated`](Mailbox::dated).
+    dated: bool,
+    /// When the message was put that was taken last; 0 for none.
+    taken: AtomicU64,
     /// Where the search for a free slot starts: at the one freed last, which is likely still in the
     /// cache.
     hint: AtomicU64,
@@ -52,6 +58,8 @@ struct Slot<T> {
     /// that holds its index. The lock exists to avoid unsafe code.
     message: Mutex<T>,
     used: AtomicBool,
+    /// When it was put.
+    date: AtomicU64,
 }
 
 /// A message was not added.
@@ -101,14 +109,33 @@ impl<T> Mailbox<T> {
     #[must_use]
     pub fn with(depth: usize, full: Full, make: impl Fn() -> T) -> Self {
         let depth = depth.clamp(1, MAX_DEPTH);
-        let slot = || Slot { message: Mutex::new(make()), used: AtomicBool::new(false) };
+        let slot = || Slot {
+            message: Mutex::new(make()),
+            used: AtomicBool::new(false),
+            date: AtomicU64::new(0),
+        };
         Self {
             slots: (0..depth + 2).map(|_| slot()).collect(),
             ring: IndexRing::new(depth),
             full,
             lost: AtomicU64::new(0),
+            dated: false,
+            taken: AtomicU64::new(0),
             hint: AtomicU64::new(0),
         }
+    }
+
+    /// The same mailbox, which remembers when messages were put.
+    #[must_use]
+    pub fn dated(self) -> Self {
+        Self { dated: true, ..self }
+    }
+
+    /// When the message was put that was taken last, on `CLOCK_MONOTONIC` in nanoseconds; `None`
+    /// before the first, or if the mailbox is not [`dated`](Self::dated).
+    #[must_use]
+    pub fn put_at(&self) -> Option<u64> {
+        Some(self.taken.load(Ordering::Relaxed)).filter(|date| *date > 0)
     }
 
     /// Number of messages dropped so far.
@@ -136,6 +163,9 @@ impl<T> Mailbox<T> {
         let mut message = slot.message.try_lock().map_err(|_| PutError::Busy)?;
         let given = fill(&mut message).map_err(PutError::Fill)?;
         drop(message);
+        if self.dated {
+            slot.date.store(now(), Ordering::Relaxed);
+        }
         slot.used.store(true, Ordering::Release);
         self.hint.store((index + 1) as u64, Ordering::Relaxed);
         let gone = match self.full {
@@ -153,6 +183,7 @@ impl<T> Mailbox<T> {
     pub fn take<R>(&self, see: impl FnOnce(&T) -> R) -> Option<R> {
         let index = self.ring.pop()?;
         let slot = self.slots.get(index)?;
+        self.taken.store(slot.date.load(Ordering::Relaxed), Ordering::Relaxed);
         let seen = slot.message.try_lock().ok().map(|message| see(&message));
         self.release(index);
         seen
@@ -164,6 +195,11 @@ impl<T> Mailbox<T> {
             self.hint.store(index as u64, Ordering::Relaxed);
         }
     }
+}
+
+fn now() -> u64 {
+    let now = clock_gettime(ClockId::Monotonic);
+    now.tv_sec.unsigned_abs() * 1_000_000_000 + now.tv_nsec.unsigned_abs()
 }
 
 #[cfg(test)]
@@ -203,6 +239,26 @@ mod tests {
         });
         assert_eq!(held, Some(1));
         assert_eq!(rest(&mailbox), [99]);
+    }
+
+    #[test]
+    fn a_dated_mailbox_tells_when_the_message_arrived_that_was_taken() {
+        let mailbox = Mailbox::new(2, 8, Full::Oldest).dated();
+        assert_eq!(mailbox.put_at(), None);
+        let before = now();
+        put(&mailbox, 1);
+        let between = now();
+        put(&mailbox, 2);
+        assert_eq!(mailbox.put_at(), None, "it was not taken");
+        mailbox.take(|_| ()).unwrap();
+        let first = mailbox.put_at().unwrap();
+        assert!((before..=between).contains(&first), "{before} {first} {between}");
+        mailbox.take(|_| ()).unwrap();
+        assert!(mailbox.put_at().unwrap() >= between);
+        let other = Mailbox::new(2, 8, Full::Oldest);
+        put(&other, 1);
+        other.take(|_| ()).unwrap();
+        assert_eq!(other.put_at(), None);
     }
 
     #[test]

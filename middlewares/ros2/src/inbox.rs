@@ -38,7 +38,7 @@ impl std::fmt::Debug for Told {
 impl Inbox {
     pub(crate) fn new(Keeping { depth, full, counts }: Keeping) -> Self {
         Self {
-            mailbox: Mailbox::with(depth, full, Message::default),
+            mailbox: Mailbox::with(depth, full, Message::default).dated(),
             counts_lost: counts,
             undecodable: AtomicU64::new(0),
             refused: AtomicU64::new(0),

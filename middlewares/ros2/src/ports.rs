@@ -151,6 +151,10 @@ impl Subscription for Ros2Subscription {
         self.inbox.told.0.set(told).is_ok()
     }
 
+    fn arrived(&self) -> Option<u64> {
+        self.inbox.mailbox.put_at()
+    }
+
     fn dropped(&self) -> u64 {
         self.inbox.lost()
     }

@@ -3,6 +3,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "test code, also outside of test functions")]
 
+#[path = "../../../tests/src/siege/forger.rs"]
 mod forger;
 mod world;
 
@@ -240,6 +241,7 @@ fn a_storm_of_nonsense_takes_little_memory_and_leaves_the_flow() {
         }
         world.flows(&format!("after {} datagrams", (round + 1) * 250));
     }
-    let grown = (peak() - before) >> 20;
+    // Linux counts pages in batches, so that a later peak can read lower.
+    let grown = peak().saturating_sub(before) >> 20;
     assert!(grown < 64, "{grown} MiB more");
 }

@@ -44,9 +44,7 @@ impl Shm {
     /// A name is not valid, or iceoryx2's folder cannot be used.
     pub fn open(options: Options) -> Result<Self, ShmError> {
         options.check()?;
-        // Errors are returned, and the caller reports them; iceoryx2's log would repeat them.
-        iceoryx2::prelude::set_log_level(LogLevel::Fatal);
-        let mut config = Config::global_config().clone();
+        let mut config = installed().clone();
         let told = rights::is_told(&config);
         let prefix = options.prefix.clone().or((!told).then(rights::default_prefix));
         let root = options.root.clone().or((!told).then(rights::default_root));
@@ -101,6 +99,14 @@ impl Shm {
     }
 }
 
+/// iceoryx2's own configuration, which is read once.
+fn installed() -> &'static Config {
+    // Errors are returned, and the caller reports them; iceoryx2's log would repeat them, and say
+    // that there is no configuration file where none is needed.
+    iceoryx2::prelude::set_log_level(LogLevel::Fatal);
+    Config::global_config()
+}
+
 impl Backend for Shm {
     const NAME: &'static str = BACKEND;
     const VERSION: &'static str = "iceoryx2 0.10";
@@ -112,8 +118,8 @@ impl Backend for Shm {
     }
 
     fn places(options: &Options) -> Vec<PathBuf> {
-        // Reads iceoryx2's own configuration, which may be out of reach later.
-        let config = Config::global_config();
+        // Read now, as it may be out of reach later.
+        let config = installed();
         let told = rights::is_told(config).then(|| config.global.root_path().to_string().into());
         let root = options.root.clone().or(told);
         vec![root.unwrap_or_else(rights::default_root), PathBuf::from(heal::SEGMENTS)]

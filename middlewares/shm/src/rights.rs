@@ -10,13 +10,14 @@ use std::path::{Path, PathBuf};
 use iceoryx2::prelude::Config;
 
 use crate::error::ShmError;
-use crate::heal::Places;
+use crate::heal::{Places, SEGMENTS};
 
 /// Mode bits that let group or others change a folder.
 const OTHERS_WRITE: u32 = 0o022;
 
-/// Folder of this user's files: `/run/user/<uid>/genomd/iceoryx2`, or `/tmp/genomd-<uid>/iceoryx2`
-/// if there is no `/run/user/<uid>`.
+/// Folder of this user's files: `/run/user/<uid>/genomd/iceoryx2`, or
+/// `/dev/shm/genomd-<uid>/iceoryx2` if there is no `/run/user/<uid>`. Both are in memory: iceoryx2
+/// synchronises each file that it creates, which takes milliseconds on a disk.
 #[must_use]
 pub fn default_root() -> PathBuf {
     let user = user();
@@ -24,7 +25,7 @@ pub fn default_root() -> PathBuf {
     let base = if run.is_dir() {
         run.join("genomd")
     } else {
-        PathBuf::from(format!("/tmp/genomd-{user}"))
+        PathBuf::from(format!("{SEGMENTS}/genomd-{user}"))
     };
     base.join("iceoryx2")
 }
@@ -50,13 +51,13 @@ pub(crate) fn prepare(places: &Places) -> Result<(), ShmError> {
     let folder = &places.root;
     let made = DirBuilder::new().recursive(true).mode(0o700).create(folder);
     made.map_err(|error| ShmError::Folder { path: folder.clone(), why: error.to_string() })?;
-    // Includes the parent folders that belong to this user alone, such as `/tmp/genomd-<uid>`.
+    // Includes the parent folders that belong to this user alone, such as `/dev/shm/genomd-<uid>`.
     let all = [&places.nodes, &places.services].into_iter().map(PathBuf::as_path);
     for path in all.chain([folder.as_path()]).chain(folder.parent()) {
         let Ok(told) = fs::symlink_metadata(path) else { continue };
         let above = Some(path) == folder.parent();
         if above && told.uid() != user() {
-            // A shared folder such as `/tmp`, whose sticky bit protects each user's entries.
+            // A shared folder such as `/dev/shm`, whose sticky bit protects each user's entries.
             continue;
         }
         own(path, &told)?;

@@ -48,31 +48,21 @@ pub fn wire(ty: &DataType) -> Wire {
 /// The iceoryx2 type name of a type of fixed size.
 #[must_use]
 pub fn type_name(ty: &DataType) -> String {
-    let basic = match ty.kind() {
-        Kind::Boolean => "bool",
-        Kind::Char => "i8",
-        Kind::Octet => "u8",
-        Kind::Short => "i16",
-        Kind::UnsignedShort => "u16",
-        Kind::Long => "i32",
-        Kind::UnsignedLong => "u32",
-        Kind::LongLong => "i64",
-        Kind::UnsignedLongLong => "u64",
-        Kind::Float => "f32",
-        Kind::Double => "f64",
-        Kind::String { bound } => return format!("[i8; {}]", bound.unwrap_or(0)),
+    if let Some(number) = ty.kind().rust_number() {
+        return number.to_owned();
+    }
+    match ty.kind() {
+        Kind::Boolean => "bool".to_owned(),
+        Kind::String { bound } => format!("[i8; {}]", bound.unwrap_or(0)),
         Kind::Array { length, .. } => {
             let element = ty.element().map_or_else(String::new, |element| type_name(&element));
-            return format!("[{element}; {length}]");
+            format!("[{element}; {length}]")
         }
-        other => {
-            return match other.name() {
-                Some(name) => name.segments().join("::"),
-                None => ty.name().trim_start_matches("::").to_owned(),
-            };
-        }
-    };
-    basic.to_owned()
+        other => match other.name() {
+            Some(name) => name.segments().join("::"),
+            None => ty.name().trim_start_matches("::").to_owned(),
+        },
+    }
 }
 
 #[cfg(test)]

@@ -88,6 +88,6 @@ fn each_user_has_a_folder_and_a_prefix_of_their_own() {
     let me = fs::metadata("/proc/self").unwrap().uid();
     assert_eq!(genom_shm::default_prefix(), format!("genomd_{me}_"));
     let root = genom_shm::default_root();
-    let own = [format!("/run/user/{me}/genomd/iceoryx2"), format!("/tmp/genomd-{me}/iceoryx2")];
+    let own = [format!("/run/user/{me}/genomd/iceoryx2"), format!("/dev/shm/genomd-{me}/iceoryx2")];
     assert!(own.iter().any(|own| root == Path::new(own)), "{}", root.display());
 }

@@ -73,7 +73,7 @@ impl Inbox {
         Self {
             address,
             expected,
-            mailbox: Mailbox::with(depth, full, || Arrival::with_room(size)),
+            mailbox: Mailbox::with(depth, full, || Arrival::with_room(size)).dated(),
             latest: !counts,
             undecodable: AtomicU64::new(0),
             gate: Mutex::default(),

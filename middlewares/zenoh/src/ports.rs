@@ -179,6 +179,10 @@ impl Subscription for ZenohSubscription {
         self.inbox.tell(told)
     }
 
+    fn arrived(&self) -> Option<u64> {
+        self.inbox.mailbox.put_at()
+    }
+
     fn dropped(&self) -> u64 {
         self.inbox.lost()
     }

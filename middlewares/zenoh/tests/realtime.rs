@@ -7,7 +7,8 @@ use std::process::Stdio;
 
 use genom_allocations as allocations;
 use genom_conformance::eventually;
-use genom_conformance::samples::{note, note_of, number, numbered, set_number, state};
+use genom_conformance::ports::grown_in_ticks;
+use genom_conformance::samples::{note, note_of, number, numbered, state};
 use genom_middleware::{Address, Discovery as _, EndpointKind, Policy, PortSpec, Ports, Reading};
 use genom_types::Record;
 use genom_zenoh::{Options, Zenoh};
@@ -26,27 +27,7 @@ fn writing_and_reading_fixed_types_allocates_nothing() {
     let policies = [Policy::Latest, Policy::Queue(4), Policy::Ring(4)];
     let mut readers = policies
         .map(|policy| b.subscription(&PortSpec::new(&position(), &state()), policy).unwrap());
-    let (mut sent, mut got) = (numbered(0), Record::new(&state()));
-    let mut counted = 0;
-    for n in 1..200 {
-        set_number(&mut sent, n);
-        let before = allocations::count();
-        writer.publish(&sent).unwrap();
-        counted += allocations::count() - before;
-        for reader in &mut readers {
-            eventually("the sample arrives", || {
-                let before = allocations::count();
-                let reading = reader.read(&mut got).unwrap();
-                counted += allocations::count() - before;
-                reading == Reading::New && number(&got) == n
-            });
-        }
-        // The first round allocates what the thread itself needs.
-        if n == 1 {
-            counted = 0;
-        }
-    }
-    assert_eq!(counted, 0);
+    assert_eq!(grown_in_ticks(&mut *writer, &mut readers, allocations::count), 0);
 }
 
 #[test]

@@ -10,6 +10,7 @@ mod data;
 mod name;
 mod parameter;
 mod remote;
+mod sources;
 
 use proc_macro::TokenStream;
 use remote::Remote;
@@ -83,6 +84,14 @@ pub fn derive_native(input: TokenStream) -> TokenStream {
 #[proc_macro]
 pub fn remote(input: TokenStream) -> TokenStream {
     finish(remote::expand(&parse_macro_input!(input as Remote)))
+}
+
+/// The sources of this crate, as an array of names and texts: for `genom::sources`, since a crate
+/// of macros can export nothing else.
+#[doc(hidden)]
+#[proc_macro]
+pub fn sources(_: TokenStream) -> TokenStream {
+    sources::expand().into()
 }
 
 fn finish(expansion: syn::Result<proc_macro2::TokenStream>) -> TokenStream {

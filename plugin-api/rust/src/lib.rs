@@ -51,6 +51,8 @@ mod memory;
 mod outcome;
 mod port;
 mod remote;
+#[cfg(feature = "sources")]
+pub mod sources;
 
 pub use argument::{ByMut, ByRef, ByValue};
 pub use component::Codel;

@@ -8,10 +8,12 @@
 
 use std::io::IsTerminal as _;
 use std::process::ExitCode;
+use std::time::Duration;
 
 use genom_tests::bare;
 use genom_tests::crash::{Phase, Points, Stage, Toll};
 use genom_tests::faults::{FAULTS, Fault};
+use genom_tests::siege::Siege;
 use genom_tests::trial::{Place, Trial};
 
 const HELP: &str = "\
@@ -23,6 +25,7 @@ become of it.
 
 Usage: cargo faults [--short] [--json] [--release] [--place NAME] [--times N] [--every N]
                     [--backend NAME]... [WORD]...
+       cargo faults --network SECONDS [--kills N] [--seed N] [--json] [--release]
 
   --short         A few of them, in seconds
   --release       Programs as users build them [default: those of the tests]
@@ -32,6 +35,11 @@ Usage: cargo faults [--short] [--json] [--release] [--place NAME] [--times N] [-
                   [default: 4]
   --backend NAME  On this middleware: local, shm, zenoh, ros2 [default: each fault on local, those
                   that end the daemon on all, and in cells on shm]
+  --network SECONDS  Instead: send hostile bytes to the gateways of a daemon, the three datagrams
+                  that end RustDDS and then RTPS and zenoh by chance for so long, and print how long
+                  ports did not flow (exit status 1: more than a second), and the periods missed
+  --kills N       Then end gateways with SIGKILL so often
+  --seed N        Other bytes [default: 1]
   --json          A list of objects instead of the table
   WORD            Only faults that say this word, or have it in the name of component or service;
                   `SIGKILL` are the ends of daemons
@@ -56,6 +64,9 @@ struct Asked {
     places: Vec<Place>,
     times: usize,
     every: usize,
+    siege: Option<Duration>,
+    kills: usize,
+    seed: usize,
     backends: Vec<String>,
     words: Vec<String>,
 }
@@ -75,6 +86,9 @@ fn asked(mut arguments: impl Iterator<Item = String>) -> Result<Option<Asked>, S
         places: Place::ALL.to_vec(),
         times: 1,
         every: 4,
+        siege: None,
+        kills: 0,
+        seed: 1,
         backends: Vec::new(),
         words: Vec::new(),
     };
@@ -88,6 +102,18 @@ fn asked(mut arguments: impl Iterator<Item = String>) -> Result<Option<Asked>, S
             "--every" => match number(arguments.next()) {
                 Some(every) => asked.every = every,
                 None => return Err("--every takes a number from 1".to_owned()),
+            },
+            "--network" => match number(arguments.next()) {
+                Some(seconds) => asked.siege = Some(Duration::from_secs(seconds as u64)),
+                None => return Err("--network takes seconds from 1".to_owned()),
+            },
+            "--kills" => match number(arguments.next()) {
+                Some(kills) => asked.kills = kills,
+                None => return Err("--kills takes a number from 1".to_owned()),
+            },
+            "--seed" => match number(arguments.next()) {
+                Some(seed) => asked.seed = seed,
+                None => return Err("--seed takes a number from 1".to_owned()),
             },
             "--times" => match number(arguments.next()) {
                 Some(times) => asked.times = times,
@@ -215,6 +241,26 @@ fn print(trials: &[Trial]) {
     }
 }
 
+fn besiege(asked: &Asked) -> ExitCode {
+    if asked.release {
+        let _ = genom_tests::release();
+    }
+    let (bytes, seed) = (asked.siege.unwrap_or_default(), asked.seed as u64);
+    let outcome = Siege { bytes, kills: asked.kills, seed }.lay();
+    if asked.json {
+        println!("{}", outcome.json());
+    } else {
+        print!("{}", outcome.told());
+    }
+    match outcome.wrong() {
+        None => ExitCode::SUCCESS,
+        Some(wrong) => {
+            eprint!("{wrong}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
@@ -232,6 +278,9 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
+    if asked.siege.is_some() {
+        return besiege(&asked);
+    }
     let chosen = chosen(&asked);
     if chosen.is_empty() {
         eprintln!("no fault is called so");

@@ -15,7 +15,7 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use super::trace::{self, Stop};
-use crate::{Memory, WATCHDOG};
+use crate::{Memory, WATCHDOG, signal};
 
 /// Greatest length of a path that is read.
 const PATH: usize = 512;
@@ -114,9 +114,8 @@ impl Watched {
             let waited = self.shared.started.wait_timeout(process, Duration::from_secs(1));
             process = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
-        let id = process.unwrap_or_default().to_string();
         // The process may be gone already.
-        let _ = Command::new("kill").args(["-s", name, &id]).stderr(Stdio::null()).status();
+        signal(process.unwrap_or_default(), name);
     }
 
     /// Asks it to end (SIGTERM).

@@ -1,14 +1,13 @@
 //! A fault in a cell: two others are beside it, one in the process of the daemon and one in a cell
 //! of its own, and a component shares the cell and reads a port of the daemon's.
 
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
 use super::{FAST, Trial, exception, grown, told};
 use crate::faults::{Fault, Outcome, Seen};
-use crate::{Daemon, Footprint, Home, WATCHDOG, component, request};
+use crate::{Daemon, Footprint, Home, component, request, until};
 
 /// Name of the cell that is struck.
 const STRUCK: &str = "struck";
@@ -20,8 +19,8 @@ const OTHERS: [&str; 2] = ["neighbour", "beside"];
 impl Trial {
     pub(super) fn in_a_cell(&mut self, fault: &Fault, times: usize) {
         let daemon = self.with_cells(fault);
-        let wired = |daemon: &Daemon| is_wired(&daemon.home().socket(), fault);
-        until(|| wired(&daemon));
+        let wired = |daemon: &Daemon| is_wired(daemon.home(), fault);
+        until("all is wired", || wired(&daemon));
         // Memory that the first end needs once, such as the names for its backtrace.
         let warm = if fault.outcome.goes_on() { 0 } else { 1 };
         let times = if fault.outcome.goes_on() { 1 } else { times };
@@ -38,7 +37,7 @@ impl Trial {
             let begin = Instant::now();
             seen = called(&daemon, fault);
             if !fault.outcome.goes_on() {
-                until(|| cell(&daemon)["starts"] != starts && wired(&daemon));
+                until("it comes back", || cell(&daemon)["starts"] != starts && wired(&daemon));
                 back.push(begin.elapsed());
             }
         }
@@ -100,16 +99,16 @@ impl Trial {
 
 /// The struck cell as the daemon tells it.
 fn cell(daemon: &Daemon) -> Value {
-    let reply = request(&daemon.home().socket(), "GET", "/cells", "");
-    let mut all = reply.body["cells"].as_array().expect("cells").iter();
+    let cells = daemon.home().get("/cells");
+    let mut all = cells["cells"].as_array().expect("cells").iter();
     all.find(|cell| cell["name"] == STRUCK).expect("the cell").clone()
 }
 
 /// Whether all that belongs into the struck cell runs, and is connected.
-fn is_wired(socket: &Path, fault: &Fault) -> bool {
-    let port = request(socket, "GET", "/components/mission/ports/position", "").body;
-    let faulty = format!("/components/{}", fault.component);
-    port["connected"] == "neighbour/position" && request(socket, "GET", &faulty, "").status == 200
+fn is_wired(home: &Home, fault: &Fault) -> bool {
+    let port = home.get("/components/mission/ports/position");
+    let faulty = home.get(&format!("/components/{}", fault.component));
+    port["connected"] == "neighbour/position" && faulty["name"] == fault.component
 }
 
 /// Calls the service as `genomctl call` does, without the time to start a command.
@@ -121,14 +120,6 @@ fn called(daemon: &Daemon, fault: &Fault) -> Seen {
     Seen {
         code: Some(i32::from(reply.status != 200 || exception.is_some())),
         said: said + &reply.body.to_string(),
-    }
-}
-
-fn until(mut so: impl FnMut() -> bool) {
-    let end = Instant::now() + WATCHDOG;
-    while !so() {
-        assert!(Instant::now() < end, "the cell does not come back");
-        std::thread::park_timeout(Duration::from_millis(1));
     }
 }
 

@@ -125,7 +125,7 @@ impl Trial {
 }
 
 /// A task at 1 kHz, before all others if this is permitted here.
-const FAST: &str = "[component.tasks.main]\nperiod_ms = 1.0\nreal_time = true\npriority = 10\n";
+pub const FAST: &str = "[component.tasks.main]\nperiod_ms = 1.0\nreal_time = true\npriority = 10\n";
 
 /// Names of files for a cell of the table.
 fn told(left: &[PathBuf]) -> String {

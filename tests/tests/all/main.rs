@@ -12,14 +12,19 @@
 )]
 
 mod backends;
+mod book;
 mod cells;
 mod cli;
 mod components;
 mod control_plane;
 mod deployment;
+mod editors;
 mod freezing;
 mod gateways;
 mod process;
+mod projects;
 mod reload;
+mod scenarios;
 mod tree;
+mod web;
 mod wiring;

@@ -27,6 +27,16 @@ impl Cell {
         self.begun().await
     }
 
+    /// Waits until the process that comes after the present one runs; `false` where none will.
+    pub(crate) async fn runs_again(&self) -> bool {
+        let _ = self.lost().await;
+        let mut phase = self.phase.subscribe();
+        tokio::select! {
+            runs = phase.wait_for(|phase| *phase == CellState::Running) => runs.is_ok(),
+            () = self.ended() => false,
+        }
+    }
+
     /// What its last process held, and the next one would not.
     fn take_back(&self) {
         let path = self.place.journal();

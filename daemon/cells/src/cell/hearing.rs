@@ -88,7 +88,7 @@ impl Cell {
                 report.blackbox = left.map(put);
                 report.minidump = dump.map(|dump| keep_dump(directory, &name, dump));
             };
-            match setup.reports.write(seen, more) {
+            match setup.reports.write(seen, &setup.program, more) {
                 Ok(Crash { name: report, end, codel, .. }) => {
                     tracing::warn!("cell {cell}: `genomctl crashes {report}` shows how it ended");
                     setup.tell(Told::Cell(Change::CellCrashed { cell, report, end, codel }));
@@ -101,7 +101,7 @@ impl Cell {
 
     /// The same of a process that crashed while no daemon was there.
     pub(super) fn report_left(&self) {
-        let noted = std::fs::metadata(self.place.note());
+        let noted = std::fs::symlink_metadata(self.place.note());
         if noted.is_ok_and(|found| found.len() > 0) {
             self.report(&End::Unknown);
         }

@@ -1,9 +1,9 @@
 //! Reports of crashes: what is known when the process of a cell has ended without being asked to.
 //!
 //! The dying process writes what only it knows to a file in the cell's directory (`note`); the
-//! daemon adds what it heard of the cell before (`known`), names the functions of the backtrace
-//! from the libraries' symbols (`images`), and keeps it all in a directory of its own (`store`).
-//! Nothing waits for it: the cell is started again meanwhile.
+//! daemon adds what it heard of the cell before (`known`), has the functions of the backtrace named
+//! from the libraries' symbols (`images`, `reader`, `symbols`), and keeps it all in a directory of its own
+//! (`store`). Nothing waits for it: the cell is started again meanwhile.
 
 mod dump;
 mod images;
@@ -11,7 +11,9 @@ mod known;
 mod memory;
 mod names;
 mod note;
+mod reader;
 mod store;
+mod symbols;
 
 use std::fs;
 use std::io::Read as _;
@@ -19,16 +21,18 @@ use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use genom_configuration::{CrashesSection, LoadRequest};
-use genom_protocol::{Crash, CrashReport, CrashedComponent, Crashes};
+use genom_protocol::{Crash, CrashReport, Crashes};
 use rustix::process::Signal;
 
 use crate::end::End;
 use crate::shelf::date;
+use crate::theirs;
 pub(crate) use dump::{Dump, DumpError};
 use images::Images;
 pub(crate) use known::{Known, learn};
 use memory::Shortage;
 use note::Note;
+pub use reader::read_symbols;
 use store::Store;
 pub use store::StoreError;
 
@@ -47,7 +51,8 @@ pub struct Reports {
 pub(crate) struct Ended {
     report: CrashReport,
     raw: Vec<u8>,
-    note: Option<(Note, Images)>,
+    note: Option<Note>,
+    images: Images,
 }
 
 impl Reports {
@@ -115,40 +120,35 @@ impl Reports {
                 core: core(end, self.core),
                 log: known.log(),
             },
-            note: note.map(|note| {
-                let images = Images::open(&note, &libraries);
-                (note, images)
-            }),
+            images: Images::open(note.as_ref(), &libraries),
+            note,
             raw,
         })
     }
 
     /// Completes a report, and keeps it with the files that `more` puts into its directory. Takes a
-    /// while: it reads symbols.
+    /// while: it has this program, the daemon's own, read symbols.
     ///
     /// # Errors
     /// The directory cannot be written.
     pub(crate) fn write(
         &self,
         ended: Ended,
+        program: &Path,
         more: impl FnOnce(&Path, &mut CrashReport),
     ) -> Result<Crash, StoreError> {
-        let Ended { mut report, raw, note } = ended;
-        let build_id = |component: &CrashedComponent| match &note {
-            Some((_, images)) => images.build_id(&component.library),
-            None => images::build_id_of(&component.library),
-        };
-        let ids: Vec<_> = report.components.iter().map(build_id).collect();
-        for (component, id) in report.components.iter_mut().zip(ids) {
-            component.build_id = id;
+        let Ended { mut report, raw, note, mut images } = ended;
+        let told: Vec<(u64, bool)> = note.as_ref().map(addresses).unwrap_or_default();
+        if let Err(error) = images.look_up(program, &told) {
+            let name = &report.crash.name;
+            tracing::warn!("{name}: functions and build ids are not told: {error}");
         }
-        if let Some((Note { fault, pc, callers, guesses, .. }, images)) = note {
-            let mut fault = fault;
+        for component in &mut report.components {
+            component.build_id = images.build_id(&component.library);
+        }
+        if let Some(Note { mut fault, pc, callers, guesses, .. }) = note {
             fault.guessed = callers.is_empty() && !guesses.is_empty();
-            let callers = if fault.guessed { guesses } else { callers };
-            let callers = callers.into_iter().map(|at| (at, true));
-            let addresses: Vec<_> = pc.map(|at| (at, false)).into_iter().chain(callers).collect();
-            fault.frames = images.name(&addresses);
+            fault.frames = images.name(&told);
             if pc.is_none() {
                 // It was a function of the daemon's program that noted the end.
                 let own = fault.frames.first().and_then(|frame| frame.file.clone());
@@ -160,6 +160,13 @@ impl Reports {
         self.store.add(&mut report, &raw, more)?;
         Ok(report.crash)
     }
+}
+
+/// Where the process was, the innermost frame first; each with whether it is a return address.
+fn addresses(note: &Note) -> Vec<(u64, bool)> {
+    let callers = if note.callers.is_empty() { &note.guesses } else { &note.callers };
+    let callers = callers.iter().map(|at| (*at, true));
+    note.pc.map(|at| (at, false)).into_iter().chain(callers).collect()
 }
 
 /// Where the core dump of a process is that a signal ended, if it was to leave one: the system
@@ -198,7 +205,7 @@ fn core_place(pattern: &str, directory: &Path) -> String {
 fn take(path: &Path) -> Vec<u8> {
     let mut raw = Vec::new();
     // The cell may write in its directory: a link could lead to any file of the user.
-    if let Some(file) = images::regular_itself(path) {
+    if let Ok(file) = theirs::open(path) {
         let _ = file.take(note::MOST).read_to_end(&mut raw);
         let _ = fs::remove_file(path);
     }
@@ -258,7 +265,7 @@ mod tests {
         let note = scratch.path().join("note");
         let cell = ("arm", Some(42));
         let ended = reports.look(cell, &End::Signal(9), &note, &held, &Known::default());
-        let crash = reports.write(ended.unwrap(), |_, _| {}).unwrap();
+        let crash = reports.write(ended.unwrap(), Path::new("/no/genomd"), |_, _| {}).unwrap();
         assert_eq!(reports.list().crashes, std::slice::from_ref(&crash));
         let report = reports.read(&crash.name).unwrap();
         assert_eq!((report.crash.end.as_str(), report.fault), ("signal 9 (SIGKILL)", None));

@@ -176,6 +176,51 @@ mod tests {
     }
 
     #[test]
+    fn a_process_that_ends_again_and_again_does_not_push_out_reports_of_others() {
+        let scratch = tempfile::tempdir().unwrap();
+        let all = store(scratch.path(), 5, u64::MAX);
+        let add = |name: &str| all.add(&mut report(name), b"", |_, _| {}).unwrap();
+        add("crash-01-arm");
+        add("crash-02-arm-2");
+        for number in 10..60 {
+            add(&format!("crash-{number}-gateway-ros2"));
+        }
+        let gateway = |number| format!("crash-{number}-gateway-ros2");
+        let kept = [gateway(59), gateway(58), gateway(57)];
+        let rest = ["crash-02-arm-2", "crash-01-arm"].map(str::to_owned);
+        assert_eq!(found(&all), [&kept[..], &rest].concat());
+        // One that begins to takes of what the other has.
+        for number in 60..63 {
+            add(&format!("crash-{number}-base"));
+        }
+        let newest = ["crash-62-base", "crash-61-base", "crash-59-gateway-ros2"].map(str::to_owned);
+        assert_eq!(found(&all), [&newest[..], &rest].concat());
+        // With as many processes as reports, the oldest goes.
+        for cell in ["a", "b", "c", "d", "e"] {
+            add(&format!("crash-70-{cell}"));
+        }
+        let last = ["e", "d", "c", "b", "a"].map(|cell| format!("crash-70-{cell}"));
+        assert_eq!(found(&all), last);
+    }
+
+    #[test]
+    fn a_process_whose_reports_are_large_does_not_push_out_those_of_others() {
+        let scratch = tempfile::tempdir().unwrap();
+        let all = store(scratch.path(), 50, 100_000);
+        let add = |name: &str, bytes: usize| {
+            all.add(&mut report(name), &vec![b'x'; bytes], |_, _| {}).unwrap();
+        };
+        add("crash-01-arm", 0);
+        for number in 10..60 {
+            add(&format!("crash-{number}-eye"), 30_000);
+        }
+        assert_eq!(found(&all), ["crash-59-eye", "crash-58-eye", "crash-57-eye", "crash-01-arm"]);
+        // The newest stays whatever its size.
+        add("crash-60-base", 200_000);
+        assert_eq!(found(&all), ["crash-60-base"]);
+    }
+
+    #[test]
     fn no_name_leads_out_of_the_directory() {
         let scratch = tempfile::tempdir().unwrap();
         let place = scratch.path().join("crashes");

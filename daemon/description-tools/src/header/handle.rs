@@ -63,12 +63,16 @@ pub(super) fn codels(out: &mut String, types: &TypeTable, chosen: &[&Component])
         let _ = writeln!(out, "/* Codels of {}. */", component.name);
         for codel in component.codels.iter().filter(|codel| !is_standard(component, codel)) {
             if written.insert(codel.name.as_str()) {
-                let list = arguments(types, component, codel).join(", ");
-                let _ = writeln!(out, "genom_event {}({list});", codel.name);
+                let _ = writeln!(out, "{};", prototype(types, component, codel));
             }
         }
         out.push('\n');
     }
+}
+
+/// `genom_event f(int32_t a, const genom_context self)`.
+pub(super) fn prototype(types: &TypeTable, component: &Component, codel: &Codel) -> String {
+    format!("genom_event {}({})", codel.name, arguments(types, component, codel).join(", "))
 }
 
 pub(super) fn is_standard(component: &Component, codel: &Codel) -> bool {

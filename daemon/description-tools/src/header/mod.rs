@@ -11,16 +11,18 @@ mod guard;
 mod handle;
 mod order;
 mod rust;
+mod signatures;
 mod types;
 
 pub use cxx::{declaration, prototype};
 pub use error::HeaderError;
+pub use signatures::Signatures;
 
 use std::collections::HashSet;
 use std::fmt::Write;
 
 use genom_description::c_names::{clashes, records};
-use genom_description::model::{Component, Specification};
+use genom_description::model::{Codel, Component, Specification};
 use genom_types::{Kind, TypeId, TypeTable};
 
 /// Languages that headers are written in.
@@ -34,7 +36,7 @@ pub enum Language {
     Rust,
 }
 
-/// The header of one component, or of all.
+/// The header of one component, or of all, with the prototypes of codels.
 ///
 /// # Errors
 /// When there is no such component, or when a type has no mapping.
@@ -42,6 +44,19 @@ pub fn header(
     spec: &Specification,
     component: Option<&str>,
     language: Language,
+) -> Result<String, HeaderError> {
+    mappings(spec, component, language, Signatures::Written)
+}
+
+/// The header of one component, or of all.
+///
+/// # Errors
+/// As for [`header`].
+pub fn mappings(
+    spec: &Specification,
+    component: Option<&str>,
+    language: Language,
+    signatures: Signatures,
 ) -> Result<String, HeaderError> {
     let chosen: Vec<&Component> =
         spec.components.iter().filter(|c| component.is_none_or(|name| c.name == name)).collect();
@@ -67,9 +82,20 @@ pub fn header(
             {
                 return Err(HeaderError::Mixed { cxx: cxx.name.clone(), c: c.name.clone() });
             }
-            cxx::write(spec, &chosen, &records)
+            cxx::write(spec, &chosen, &records, signatures)
         }
-        Language::C | Language::Cxx => Ok(c(spec, &chosen, &records, language)),
+        Language::C | Language::Cxx => Ok(c(spec, &chosen, &records, language, signatures)),
+    }
+}
+
+/// The declaration of a codel in the language of its component's interface, without semicolon:
+/// `genom_event f(int32_t a, const genom_context self)`.
+#[must_use]
+pub fn signature(types: &TypeTable, component: &Component, codel: &Codel) -> String {
+    if component.lang == "c++" {
+        cxx::prototype(types, component, codel)
+    } else {
+        handle::prototype(types, component, codel)
     }
 }
 
@@ -78,6 +104,7 @@ fn c(
     chosen: &[&Component],
     records: &HashSet<TypeId>,
     language: Language,
+    signatures: Signatures,
 ) -> String {
     let names: Vec<_> = chosen.iter().map(|c| c.name.as_str()).collect();
     let title = if names.is_empty() { "genom".to_owned() } else { names.join("_") };
@@ -112,7 +139,9 @@ fn c(
         handle::ports(&mut out, &spec.types, component);
         handle::remotes(&mut out, &spec.types, component);
     }
-    handle::codels(&mut out, &spec.types, chosen);
+    if signatures == Signatures::Written {
+        handle::codels(&mut out, &spec.types, chosen);
+    }
     let _ = write!(out, "#ifdef __cplusplus\n}}\n#endif\n\n#endif /* {guard} */\n");
     out
 }

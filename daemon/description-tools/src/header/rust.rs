@@ -140,18 +140,11 @@ fn field(name: &str, ty: &str) -> String {
 
 /// The Rust type of a datum.
 fn spell(types: &TypeTable, id: TypeId) -> String {
+    if let Some(number) = types.kind(id).rust_number() {
+        return number.to_owned();
+    }
     match types.kind(id) {
         Kind::Boolean => "bool".to_owned(),
-        Kind::Char => "i8".to_owned(),
-        Kind::Octet => "u8".to_owned(),
-        Kind::Short => "i16".to_owned(),
-        Kind::UnsignedShort => "u16".to_owned(),
-        Kind::Long => "i32".to_owned(),
-        Kind::UnsignedLong => "u32".to_owned(),
-        Kind::LongLong => "i64".to_owned(),
-        Kind::UnsignedLongLong => "u64".to_owned(),
-        Kind::Float => "f32".to_owned(),
-        Kind::Double => "f64".to_owned(),
         Kind::String { bound: None } => "*mut c_char".to_owned(),
         Kind::String { bound: Some(bound) } => format!("[c_char; {bound}]"),
         Kind::Array { element, length } => format!("[{}; {length}]", spell(types, *element)),

@@ -24,7 +24,7 @@ pub(super) fn roots(machine: &Machine) -> Vec<String> {
         names.map(|name| format!("{folder}/{name}{rest}")).collect::<Vec<_>>()
     };
     let mut roots = vec!["/tmp/iceoryx2".to_owned()];
-    roots.extend(below("/tmp", "genomd-", "/iceoryx2"));
+    roots.extend(below("/dev/shm", "genomd-", "/iceoryx2"));
     roots.extend(below("/run/user", "", "/genomd/iceoryx2"));
     roots
 }

@@ -10,7 +10,7 @@ use genom_recording::{Recorder, WriteError};
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::recording::frames::Frames;
+use crate::frames::Frames;
 use crate::session::Session;
 use crate::table::Table;
 use crate::terminal::Terminal;

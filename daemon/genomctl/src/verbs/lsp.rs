@@ -1,7 +1,6 @@
 //! `genomctl lsp`: the language server for descriptions. No daemon.
 
 use crate::failure::Failure;
-use crate::lsp;
 use crate::reading::Reading;
 
 /// Run the language server (LSP) for editors, on standard input and output.
@@ -15,5 +14,5 @@ pub(crate) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    lsp::serve(args.reading.options()).map_err(Failure::Io)
+    genom_lsp::serve(args.reading.options()).map_err(Failure::Io)
 }

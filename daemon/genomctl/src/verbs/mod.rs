@@ -2,10 +2,13 @@
 
 mod abort;
 mod activities;
+mod add;
 mod apply;
 mod backend;
 mod backends;
+mod bench;
 mod blackbox;
+mod build;
 mod bw;
 mod call;
 mod cells;
@@ -37,6 +40,8 @@ mod load;
 mod logs;
 mod lsp;
 mod man;
+mod model;
+mod new;
 mod outcome;
 mod ports;
 mod publish;
@@ -46,16 +51,21 @@ mod reference;
 mod reload;
 mod replay;
 mod ros2_package;
+mod schedule;
+mod sdk;
 mod start;
 mod stats;
 mod step;
 mod stop;
+mod test;
 mod thaw;
 mod token;
 mod top;
 mod unload;
+mod verify;
 mod wait;
 mod wait_ready;
+mod web;
 mod why;
 
 use clap::Subcommand;
@@ -100,6 +110,7 @@ pub(crate) enum Verb {
     Stats(stats::Args),
     Top(top::Args),
     Logs(logs::Args),
+    Web(web::Args),
     Step(step::Args),
     Apply(apply::Args),
     Dump(dump::Args),
@@ -107,6 +118,7 @@ pub(crate) enum Verb {
     Thaw(thaw::Args),
     Backend(backend::Args),
     Backends(backends::Args),
+    Bench(bench::Args),
     Why(why::Args),
     Doctor(doctor::Args),
     Kill(kill::Args),
@@ -115,12 +127,20 @@ pub(crate) enum Verb {
     Token(token::Args),
     Check(check::Args),
     Explain(explain::Args),
+    Verify(verify::Args),
+    Schedule(schedule::Args),
+    Model(model::Args),
     Fmt(fmt::Args),
     Describe(describe::Args),
     Header(header::Args),
     Graph(graph::Args),
     Digest(digest::Args),
     Ros2Package(ros2_package::Args),
+    New(new::Args),
+    Add(add::Args),
+    Build(build::Args),
+    Test(test::Args),
+    Sdk(sdk::Args),
     Lsp(lsp::Args),
     Completion(completion::Args),
     Man(man::Args),
@@ -177,6 +197,7 @@ pub(crate) async fn run(
         Verb::Stats(args) => stats::run(args, session).await,
         Verb::Top(args) => top::run(args, session).await,
         Verb::Logs(args) => logs::run(args, session).await,
+        Verb::Web(args) => web::run(args, session).await,
         Verb::Step(args) => step::run(args, session).await,
         Verb::Apply(args) => apply::run(args, session).await,
         Verb::Dump(args) => dump::run(args, session).await,
@@ -184,6 +205,7 @@ pub(crate) async fn run(
         Verb::Thaw(args) => thaw::run(args, session).await,
         Verb::Backend(args) => backend::run(args, session).await,
         Verb::Backends(args) => backends::run(args, session).await,
+        Verb::Bench(args) => bench::run(args, session).await,
         Verb::Why(args) => why::run(args, session).await,
         Verb::Doctor(args) => doctor::run(args, session).await,
         Verb::Kill(args) => kill::run(args, session).await,
@@ -192,12 +214,20 @@ pub(crate) async fn run(
         Verb::Token(args) => token::run(&args, session).await,
         Verb::Check(args) => check::run(&args, session),
         Verb::Explain(args) => explain::run(&args, session),
+        Verb::Verify(args) => verify::run(&args, session),
+        Verb::Schedule(args) => schedule::run(&args, session),
+        Verb::Model(args) => model::run(&args, session),
         Verb::Fmt(args) => fmt::run(&args, session),
         Verb::Describe(args) => describe::run(&args, session),
         Verb::Header(args) => header::run(&args, session),
         Verb::Graph(args) => graph::run(&args, session),
         Verb::Digest(args) => digest::run(&args, session),
         Verb::Ros2Package(args) => ros2_package::run(&args, session),
+        Verb::New(args) => new::run(&args, session),
+        Verb::Add(args) => add::run(args, session),
+        Verb::Build(args) => build::run(&args, session),
+        Verb::Test(args) => test::run(args, session).await,
+        Verb::Sdk(args) => sdk::run(&args, session),
         Verb::Lsp(args) => lsp::run(&args),
         Verb::Completion(args) => completion::run(&args, session),
         Verb::Man(args) => man::run(&args, session, command()),

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use tokio::signal::unix::{SignalKind, signal};
 
 use crate::failure::Failure;
-use crate::recording::frames::Frames;
+use crate::frames::Frames;
 use crate::session::Session;
 use crate::table::Table;
 use crate::times::seconds;
@@ -49,7 +49,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
         let message = format!("{} is there already", args.output.display());
         return Err(Failure::usage(message, "name another file, or replace it with --force"));
     }
-    let request = json!(RecordingRequest { ports: args.ports.clone() });
+    let request = json!(RecordingRequest { ports: args.ports.clone(), times: false });
     let body = session.client.open(&routes::record(), request.to_string().into_bytes()).await?;
     let mut frames = Frames::new(body);
     let start = match frames.next().await? {

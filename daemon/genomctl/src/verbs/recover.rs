@@ -5,13 +5,12 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::PathBuf;
 
+use genom_recording::{Extent, Part, ReadError, records, walk};
 use mcap::records::{Metadata, Record};
 use mcap::{Attachment, McapError, WriteOptions, Writer};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
-use crate::recording::error::ReadError;
-use crate::recording::walk::{Extent, Part, records, walk};
 use crate::session::Session;
 use crate::table::Table;
 

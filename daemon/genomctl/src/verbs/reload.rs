@@ -26,12 +26,17 @@ pub(crate) struct Args {
     /// Description, if it is neither in the library nor beside it.
     #[arg(long, value_name = "FILE", add = ArgValueCompleter::new(PathCompleter::any()))]
     gen_file: Option<PathBuf>,
+    /// With another description, stop the component before the new one starts: for start codels that
+    /// need what the running one has, such as a device. Periods are missed meanwhile.
+    #[arg(long)]
+    stop_first: bool,
 }
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let request = ReloadRequest {
         library: args.library.as_deref().map(absolute).transpose()?,
         gen_file: args.gen_file.as_deref().map(absolute).transpose()?,
+        stop_first: args.stop_first,
     };
     let reply = session.send(routes::reload(&args.component), &request).await?;
     session.show(&reply, render)
@@ -40,7 +45,9 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
 fn render(reply: &ComponentReload) -> String {
     let mut text = format!("{} runs {} now\n", reply.component, reply.library.display());
     if reply.restarted {
-        text.push_str("it was stopped and started again: its description is another one, or it has native data\n");
+        text.push_str(
+            "its description is another one, or it has native data: start and stop codels ran\n",
+        );
     }
     reply.notes.iter().for_each(|note| text.push_str(&format!("{note}\n")));
     if reply.old_stays {

@@ -8,13 +8,12 @@ use std::time::Duration;
 use genom_protocol::{
     Address, Code, PortDirection, PortParameters, Ports, StepRequest, replay, routes,
 };
+use genom_recording::{ReadError, Recorded, Recording};
 use serde_json::json;
 use tokio::time::Instant;
 
 use crate::failure::Failure;
 use crate::names::address;
-use crate::recording::error::ReadError;
-use crate::recording::reader::{Recorded, Recording};
 use crate::session::Session;
 use crate::table::Table;
 
@@ -73,7 +72,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let mut batch = Vec::new();
     let mut counts: BTreeMap<u16, u64> = BTreeMap::new();
     let mut last = None;
-    while let Some(sample) = recording.next().map_err(failed)? {
+    while let Some(sample) = recording.next_sample().map_err(failed)? {
         if last.replace(sample.date).is_some_and(|last| sample.date.saturating_sub(last) > YEAR) {
             return Err(failed(ReadError::Dates));
         }

@@ -4,6 +4,7 @@ use clap_complete::engine::ArgValueCompleter;
 use std::time::Instant;
 
 use genom_protocol::{Activity, Code, LookParameters, routes};
+use serde_json::json;
 
 use crate::complete::Names;
 use crate::failure::Failure;
@@ -64,7 +65,17 @@ pub(super) async fn until_ended(
         progress.show(what);
     }
     loop {
-        let reply = look(session, component, activity, hold).await?;
+        let reply = match look(session, component, activity, hold).await {
+            // The activity was accepted, and ended with the process of its cell.
+            Err(Failure::Refused(reason)) if reason.is(Code::CellDown) => {
+                return Err(Failure::Exception {
+                    what: what.to_owned(),
+                    exception: "::genom::gone".to_owned(),
+                    detail: json!({ "why": reason.message }),
+                });
+            }
+            reply => reply?,
+        };
         if reply.content.outcome.ended() {
             return Ok(reply);
         }

@@ -5,16 +5,14 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::State;
-use axum::http::StatusCode;
 use axum::{Extension, Json};
-use genom_cells::Cells;
+use genom_cells::{Cells, DeployError};
 use genom_configuration::{Config, ConfigError, Deployment, Right, Spot};
 use genom_doors::{Body, Holder, RpcError};
-use genom_protocol::{Applied, Code, DeploymentRequest, Dumped, RunningDeployment};
+use genom_protocol::{Applied, Code, DeploymentRequest, Dumped, RunningDeployment, TakenBack};
 use genom_supervisor::Supervisor;
 use genom_supervisor::deploy::{ApplyError, Contradiction, Step, StepError, Steps};
 use genom_supervisor::loading::check_reactions;
-use serde_json::{Map, Value};
 use tokio::task::block_in_place;
 
 use crate::daemon::Daemon;
@@ -42,7 +40,10 @@ pub(crate) async fn dump(
     Extension(holder): Extension<Holder>,
 ) -> Result<Json<Dumped>, RpcError> {
     let backends = match holder.may(Right::Admin, "") {
-        Ok(()) => options(&supervisor.settings.backends)?,
+        // TOML becomes JSON.
+        Ok(()) => serde_json::to_value(&supervisor.settings.backends)
+            .and_then(serde_json::from_value)
+            .map_err(|error| RpcError::internal(error.to_string()))?,
         Err(_) => BTreeMap::new(),
     };
     let (backend, runs) = (supervisor.settings.backend.clone(), supervisor.dump());
@@ -64,7 +65,7 @@ pub(crate) async fn dump(
 pub(crate) async fn apply(
     State(daemon): State<Arc<Daemon>>,
     Body(wanted): Body<DeploymentRequest>,
-) -> Result<(StatusCode, Json<Applied>), RpcError> {
+) -> Result<Json<Applied>, RpcError> {
     let seconds = wanted.timeout.unwrap_or(PATIENCE);
     let patience = Duration::try_from_secs_f64(seconds).ok().filter(|time| *time <= LONGEST);
     let patience = patience.ok_or_else(|| {
@@ -93,21 +94,16 @@ pub(crate) async fn apply(
                 .help("nothing was changed")
         })?;
     }
-    if front && !wanted.dry_run {
-        let loading = daemon.cells.load_missing(&supervisor, &whole).await;
-        loading.map_err(|(request, error)| {
-            let place = Spot::component(request).key(["cell"]);
-            RpcError::conflict(Code::NotApplied, placed(&place, &wanted, &error))
-        })?;
-    }
-    let elsewhere = wanted.clone();
+    let request = wanted.clone();
     let work = move || {
         let _turn = supervisor.deploying();
         let Steps { to_take: steps, beside } = supervisor
             .steps_to(&deployment, wanted.prune)
             .map_err(|error| impossible(&error, &wanted))?;
+        let mut done = None;
         if !wanted.dry_run {
-            supervisor.apply(&steps, Some(patience)).map_err(|error| failed(&error, &wanted))?;
+            let taken = supervisor.apply(&steps, Some(patience));
+            done = Some(taken.map_err(|error| failed(&error, &wanted))?);
             supervisor.connections.declare(&deployment.connection);
         }
         let steps = steps.iter().map(Step::to_string).collect();
@@ -118,27 +114,38 @@ pub(crate) async fn apply(
             other => other.to_string(),
         });
         let (applied, beside) = (!wanted.dry_run, beside.collect());
-        Ok((StatusCode::OK, Json(Applied { steps, applied, beside })))
+        Ok((Applied { steps, applied, beside }, done))
     };
-    let own = tokio::task::spawn_blocking(work).await;
-    let (status, Json(mut applied)) =
-        own.map_err(|error| RpcError::internal(error.to_string()))??;
-    if front {
-        let applied_there = daemon.cells.apply(&daemon.supervisor, &whole, &elsewhere).await;
-        for theirs in applied_there.map_err(cells::refused)? {
-            applied.steps.extend(theirs.steps);
-            applied.beside.extend(theirs.beside);
+    // A cell has no cells of its own.
+    let whole = if front { whole } else { Deployment::default() };
+    match daemon.cells.deploy(&daemon.supervisor, &whole, &request, work).await {
+        Ok(applied) => Ok(Json(applied)),
+        Err(DeployError::Load(component, error)) => {
+            let place = Spot::component(&component).key(["cell"]);
+            Err(RpcError::conflict(Code::NotApplied, placed(&place, &request, &error)))
         }
+        Err(DeployError::Own(error)) => Err(error),
+        Err(DeployError::Cell { why, left }) => {
+            let all = format!("all is as it was, but for: {}", left.join(", "));
+            Err(if left.is_empty() { cells::refused(why) } else { cells::refused(why).help(all) })
+        }
+        Err(DeployError::Thread(error)) => Err(RpcError::internal(error.to_string())),
     }
-    Ok((status, Json(applied)))
 }
 
-/// Options of middlewares, converted from TOML to JSON.
-fn options(
-    of: &BTreeMap<String, toml::Table>,
-) -> Result<BTreeMap<String, Map<String, Value>>, RpcError> {
-    let told = serde_json::to_value(of).and_then(serde_json::from_value);
-    told.map_err(|error| RpcError::internal(error.to_string()))
+/// Undo what the last deployment did, in all processes.
+#[utoipa::path(
+    post,
+    path = "/deployment/take_back",
+    tag = "deployment",
+    responses((status = 200, body = TakenBack), (status = 409))
+)]
+pub(crate) async fn take_back(
+    State(daemon): State<Arc<Daemon>>,
+) -> Result<Json<TakenBack>, RpcError> {
+    let left = daemon.cells.take_back(&daemon.supervisor).await;
+    let nothing = || RpcError::conflict(Code::NotApplied, "no deployment is known to undo");
+    left.map(|left| Json(TakenBack { left })).ok_or_else(nothing)
 }
 
 /// What is asked for; of several daemons in the file the one that is named, else `own`.
@@ -148,17 +155,9 @@ fn read(own: Option<&str>, wanted: &DeploymentRequest) -> Result<Deployment, Rpc
     config.check(&wanted.file, &wanted.text).map_err(mistake)?;
     config.anchor(&wanted.file);
     let name = wanted.daemon.as_deref().or(own);
-    let mut deployment = config.deployment(name).map_err(|why| {
+    config.deployment_elsewhere(name).map_err(|why| {
         RpcError::bad_input(format!("{}: {why}", wanted.file.display())).place("/daemon")
-    })?;
-    // The default middleware of a file is that of its components.
-    if config.backend != Config::default().backend {
-        let default = genom_configuration::BackendNames::one(config.backend.as_str());
-        for component in &mut deployment.component {
-            component.backend.get_or_insert_with(|| default.clone());
-        }
-    }
-    Ok(deployment)
+    })
 }
 
 fn impossible(error: &Contradiction, wanted: &DeploymentRequest) -> RpcError {

@@ -7,45 +7,18 @@ use axum::http::HeaderMap;
 use axum::response::sse::Event;
 use axum::{Extension, Json};
 use genom_doors::{Events, Holder, Parameters, RpcError, Streams, last_heard};
-use genom_nearest::suggest;
-use genom_protocol::{Level, LogEntry, LogParameters, Logs};
+use genom_protocol::{LogEntry, LogParameters, Logs};
 use genom_supervisor::Supervisor;
-use genom_supervisor::bus::{Heard, Numbered};
+use genom_supervisor::bus::Heard;
+use genom_telemetry::logs;
+use genom_telemetry::selection::{Selection, UnknownLevel};
 use serde::Deserialize as _;
 use serde_json::{Value, json};
-use strum::VariantNames as _;
 
 use crate::rpc::components;
-use genom_telemetry::logs;
 
-/// Selects entries.
-struct Wanted {
-    level: Level,
-    component: Option<String>,
-}
-
-impl Wanted {
-    fn new(level: Option<&str>, component: Option<String>) -> Result<Self, RpcError> {
-        let level = level.unwrap_or("trace");
-        let level = level.parse().map_err(|_| {
-            RpcError::bad_input(format!("level: there is no level `{level}`"))
-                .place("level")
-                .help(suggest(level, Level::VARIANTS.iter().copied()))
-        })?;
-        Ok(Self { level, component })
-    }
-
-    fn has(&self, entry: &Numbered) -> bool {
-        Level::deserialize(&entry.data["level"]).is_ok_and(|level| level <= self.level)
-            && self.component.as_deref().is_none_or(|name| entry.data["component"] == name)
-    }
-}
-
-/// The latest `last` of the selected entries.
-fn latest(all: Vec<Numbered>, wanted: &Wanted, last: Option<usize>) -> Vec<Numbered> {
-    let mut found: Vec<_> = all.into_iter().filter(|entry| wanted.has(entry)).collect();
-    found.drain(..found.len().saturating_sub(last.unwrap_or(usize::MAX)));
-    found
+fn no_level(unknown: UnknownLevel) -> RpcError {
+    RpcError::bad_input(unknown.to_string()).place("level").help(unknown.help())
 }
 
 /// Get the latest entries of the daemon's log.
@@ -61,7 +34,7 @@ pub(crate) async fn list(
     Parameters(parameters): Parameters<LogParameters>,
 ) -> Result<Json<Logs>, RpcError> {
     let LogParameters { level, component, last } = parameters;
-    let wanted = Wanted::new(level.as_deref(), component)?;
+    let wanted = Selection::new(level.as_deref(), component).map_err(no_level)?;
     let all = logs::past().listen(Some(0)).take_past();
     // Entries about a component that was unloaded remain available; a name without entries must be
     // that of a component.
@@ -70,7 +43,7 @@ pub(crate) async fn list(
     {
         components::find(&supervisor.components, name)?;
     }
-    let entries = latest(all, &wanted, last);
+    let entries = wanted.latest(all, last);
     let logs = entries.iter().filter_map(|entry| LogEntry::deserialize(&*entry.data).ok());
     Ok(Json(Logs { logs: logs.collect() }))
 }
@@ -100,11 +73,11 @@ pub(crate) async fn stream(
     Parameters(parameters): Parameters<LogParameters>,
 ) -> Result<Events, RpcError> {
     let LogParameters { level, component, last } = parameters;
-    let wanted = Wanted::new(level.as_deref(), component)?;
+    let wanted = Selection::new(level.as_deref(), component).map_err(no_level)?;
     let after = last_heard(&headers);
     let mut listener = logs::past().listen(after.or(Some(0)));
     let past = match after {
-        None => latest(listener.take_past(), &wanted, Some(last.unwrap_or(0))),
+        None => wanted.latest(listener.take_past(), Some(last.unwrap_or(0))),
         Some(_) => Vec::new(),
     };
     streams.open(&holder, move |writer| async move {

@@ -87,6 +87,7 @@ fn routes() -> OpenApiRouter<Parts> {
         .routes(routes!(connections::disconnect))
         .routes(routes!(connections::disconnect_element))
         .routes(routes!(deployment::dump, deployment::apply))
+        .routes(routes!(deployment::take_back))
         .routes(routes!(freeze::freeze))
         .routes(routes!(freeze::thaw))
         .routes(routes!(freeze::go_on))
@@ -103,6 +104,7 @@ fn routes() -> OpenApiRouter<Parts> {
         .routes(routes!(daemons::hello))
         .routes(routes!(daemons::question))
         .routes(routes!(tokens::reload))
+        .routes(routes!(genom_web::make_link))
         .routes(routes!(document::json))
         .routes(routes!(document::page))
         .routes(routes!(daemon::shutdown))
@@ -118,6 +120,7 @@ pub(crate) fn router(daemon: &Arc<Daemon>, tokens: &Arc<Tokens>, door: Door) -> 
         .layer(from_fn_with_state(Arc::clone(daemon), note))
         .layer(from_fn_with_state(Arc::clone(&daemon.cells), cells::pass_on))
         .layer(Extension(Document::new(&document)))
+        .layer(Extension(daemon.console.get().cloned()))
         .layer(Extension(Arc::clone(tokens)))
         .with_state(Parts(Arc::clone(daemon)));
     let rows = genom_protocol::routes::all();

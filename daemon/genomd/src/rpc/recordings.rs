@@ -70,7 +70,7 @@ pub(crate) async fn start(
     }
     tokio::task::spawn_blocking(move || {
         let changes = supervisor.bus.live();
-        let session = supervisor.record(wanted.ports);
+        let session = supervisor.record(wanted);
         let start = Start {
             recording: session.number,
             genomd: env!("CARGO_PKG_VERSION").to_owned(),

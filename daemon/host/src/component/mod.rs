@@ -3,6 +3,7 @@
 mod call;
 mod code;
 mod codel;
+mod convert;
 mod cxx;
 mod error;
 mod exchange;
@@ -16,6 +17,7 @@ mod types;
 mod way;
 mod zones;
 
+pub use convert::Conversions;
 pub use error::{CannotExchange, LoadError, LoadErrors};
 pub use zones::{MemoryCheck, check_memory};
 

@@ -5,6 +5,7 @@ mod forked;
 mod keys;
 mod limits;
 mod memory;
+mod names;
 mod notes;
 mod signals;
 mod stand_ins;
@@ -16,6 +17,7 @@ pub use forked::keep_from_children;
 pub(crate) use keys::ends_threads;
 use limits::KeptLimits;
 pub use memory::without_leftovers;
+pub use names::signal_name;
 use notes::{Act, Note};
 use signals::KeptSignals;
 pub use signals::raised_to_stop;
@@ -75,7 +77,7 @@ fn sentence(note: &Note) -> String {
             standard::name(note.number)
         ),
         Act::Signal | Act::Sent | Act::Reopened => {
-            let name = signals::name(note.number);
+            let name = names::name(note.number);
             let from = match note.sender {
                 0 => " from a timer or the kernel".to_owned(),
                 pid if pid.unsigned_abs() == std::process::id() => String::new(),

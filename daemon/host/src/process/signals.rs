@@ -12,34 +12,30 @@ use std::ptr;
 use std::sync::OnceLock;
 
 use super::limits;
+use super::names::name;
 use super::notes::{self, Act};
 use crate::running;
 
 /// Signals that the daemon depends on: to be stopped, and to survive writing to a closed
 /// connection.
-const OURS: [(c_int, &str); 4] = [
-    (libc::SIGINT, "SIGINT"),
-    (libc::SIGTERM, "SIGTERM"),
-    (libc::SIGHUP, "SIGHUP"),
-    (libc::SIGPIPE, "SIGPIPE"),
-];
+const OURS: [c_int; 4] = [libc::SIGINT, libc::SIGTERM, libc::SIGHUP, libc::SIGPIPE];
 
 /// Those of them that stop the daemon.
 const STOPPING: [c_int; 3] = [libc::SIGINT, libc::SIGTERM, libc::SIGHUP];
 
 /// Signals whose default action ends the process, and which no supervisor sends; the real-time
 /// signals belong to these too.
-const HARMLESS: [(c_int, &str); 10] = [
-    (libc::SIGALRM, "SIGALRM"),
-    (libc::SIGVTALRM, "SIGVTALRM"),
-    (libc::SIGPROF, "SIGPROF"),
-    (libc::SIGUSR1, "SIGUSR1"),
-    (libc::SIGUSR2, "SIGUSR2"),
-    (libc::SIGIO, "SIGIO"),
-    (libc::SIGPWR, "SIGPWR"),
-    (libc::SIGSTKFLT, "SIGSTKFLT"),
-    (libc::SIGXCPU, "SIGXCPU"),
-    (libc::SIGXFSZ, "SIGXFSZ"),
+const HARMLESS: [c_int; 10] = [
+    libc::SIGALRM,
+    libc::SIGVTALRM,
+    libc::SIGPROF,
+    libc::SIGUSR1,
+    libc::SIGUSR2,
+    libc::SIGIO,
+    libc::SIGPWR,
+    libc::SIGSTKFLT,
+    libc::SIGXCPU,
+    libc::SIGXFSZ,
 ];
 
 /// All signal numbers.
@@ -50,26 +46,10 @@ static OWN: OnceLock<Vec<Option<libc::sigaction>>> = OnceLock::new();
 
 type Handler = extern "C" fn(c_int, *mut libc::siginfo_t, *mut c_void);
 
-/// The name of a signal.
-pub(super) fn name(signal: c_int) -> String {
-    let known = OURS.iter().chain(&HARMLESS).find(|(number, _)| *number == signal);
-    match known {
-        Some((_, name)) => (*name).to_owned(),
-        None if signal >= libc::SIGRTMIN() => format!("SIGRTMIN+{}", signal - libc::SIGRTMIN()),
-        None => match signal {
-            libc::SIGCHLD => "SIGCHLD".to_owned(),
-            libc::SIGSEGV => "SIGSEGV".to_owned(),
-            libc::SIGABRT => "SIGABRT".to_owned(),
-            libc::SIGQUIT => "SIGQUIT".to_owned(),
-            other => format!("signal {other}"),
-        },
-    }
-}
-
 fn harmless() -> impl Iterator<Item = c_int> {
     // Whoever limits processor time wants the process ended.
     let ends = |signal: &c_int| *signal == libc::SIGXCPU && limits::of_time();
-    let named = HARMLESS.iter().map(|(signal, _)| *signal).filter(move |signal| !ends(signal));
+    let named = HARMLESS.iter().copied().filter(move |signal| !ends(signal));
     named.chain(libc::SIGRTMIN()..=libc::SIGRTMAX())
 }
 
@@ -96,7 +76,7 @@ impl KeptSignals {
 
     /// Restores actions that were changed; returns the names of these signals.
     pub(super) fn put_back(&self) -> Vec<String> {
-        let ours = OURS.iter().map(|(signal, _)| *signal).filter(|signal| {
+        let ours = OURS.iter().copied().filter(|signal| {
             let same = own(*signal)
                 .zip(action(*signal))
                 .is_none_or(|(own, now)| own.sa_sigaction == now.sa_sigaction);

@@ -95,6 +95,12 @@ impl Engine {
                 after.kill = control.phase == super::Phase::Running;
                 control.failure.get_or_insert((task, exception));
             }
+            // genom3.md 7.5: `stop` always runs, also if the codel during which it was asked for
+            // ended the activity.
+            if entry.marker.stop_requested() && !run.at_stop && self.has_stop(task) {
+                self.send_permanent_with(control, task, run.frame, true);
+                self.shared.tasks[task].hurry();
+            }
             return;
         };
         control.links[task].used -= 1;

@@ -68,6 +68,13 @@ impl Core {
         self.runs.clear();
     }
 
+    /// Drops these activities, and lets the others do nothing more before they are asked to stop.
+    pub(crate) fn retire(&mut self, moved: &[u32]) {
+        self.runs.retain(|run| !moved.contains(&run.id));
+        let tokens = self.runs.iter_mut().flat_map(|run| &mut run.tokens);
+        tokens.for_each(|token| token.mode = Mode::Asleep);
+    }
+
     /// Whether there is no activity.
     pub(crate) fn is_empty(&self) -> bool {
         self.runs.is_empty()
@@ -132,6 +139,7 @@ fn prepare(run: &mut Run, plan: &Plan, runnable: bool, calls: &mut impl Calls) {
         }
         Status::Run if run.marker.stop_requested() => {
             run.marker.set(Status::Stop);
+            run.at_stop = true;
             let stops = machine.codel(machine.stop).is_some();
             enter(run, ready(machine.stop), stops, calls);
             if !stops && !permanent {

@@ -151,7 +151,8 @@ pub(crate) struct Run {
     pub(crate) marker: Arc<Marker>,
     /// The marking, as a set. Control allocates its capacity, so that the task never allocates.
     pub(crate) tokens: Vec<Token>,
-    /// Begins in `stop`: a permanent activity created again at shutdown (genom3.md 7.7).
+    /// Begins in `stop`, as a permanent activity created again at shutdown (genom3.md 7.7), or has
+    /// been there.
     pub(crate) at_stop: bool,
     /// Its outcome, once it has ended.
     pub(crate) outcome: Option<RunOutcome>,

@@ -192,7 +192,7 @@ impl Play {
                 };
                 script.lock().unwrap().trace.push(line);
             });
-            Resumed { activity, reply: Some(reply) }
+            Resumed { activity, reply: Some(reply), goes_on: false }
         };
         let activities = activities.into_iter().map(resumed).collect();
         self.start(Some(Resume { ids: None, ports: Vec::new(), executed, activities, hold }));

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 use std::sync::mpsc::channel;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use genom_runtime::StartError;
 
-use crate::support::closures::{Closures, LONG, codel, gate, next, request};
+use crate::support::closures::{Closures, LONG, codel, gate, next, request, until};
 
 #[test]
 fn a_codel_that_never_returns_is_named_by_the_shutdown() {
@@ -143,4 +143,50 @@ fn an_async_codel_that_touches_no_port_does_not_hold_up_connecting() {
     instance.exclusively(|_| {}).unwrap();
     drop(keeper);
     instance.shutdown(LONG).unwrap();
+}
+
+#[test]
+fn a_permanent_activity_that_ends_while_it_is_asked_to_stop_runs_its_stop_codel() {
+    // genom3.md 7.5: at shutdown `stop` always runs, even if the activity has ended.
+    let (gate, keeper) = gate();
+    let (stopped, stops) = channel();
+    let stopped = std::sync::Mutex::new(stopped);
+    let body = Closures::new(
+        "component test {
+           task t { codel<start> init() yield pause::main; codel<main> work() yield ether;
+             codel<stop> tidy() yield ether; };
+           function wake() { codel w(); };
+         };",
+        &[
+            ("init", codel(|| "pause::main")),
+            (
+                "work",
+                codel(move || {
+                    gate.pass();
+                    "ether"
+                }),
+            ),
+            (
+                "tidy",
+                codel(move || {
+                    let _ = stopped.lock().unwrap().send(());
+                    "ether"
+                }),
+            ),
+        ],
+    );
+    let instance = body.start();
+    assert_eq!(next(&request(&instance, "wake")), "done");
+    keeper.wait();
+    assert!(instance.begin_shutdown(Box::new(|| ()), LONG));
+    // In the second round from now it is asked to stop, while its codel is at work.
+    if let Some(rounds) = instance.control_rounds() {
+        until("a second round", || {
+            instance.wake_control();
+            instance.control_rounds().is_some_and(|now| now >= rounds + 2)
+        });
+    }
+    keeper.let_one_pass();
+    instance.finish_shutdown(Instant::now() + LONG).unwrap();
+    stops.try_recv().expect("its stop codel ran");
 }

@@ -7,10 +7,27 @@ use genom_ports::PortKey;
 use genom_protocol::{
     FrozenActivity, FrozenCall, FrozenComponent, FrozenPhase, FrozenState, FrozenValue, FrozenWait,
 };
-use genom_runtime::{ActivityPhase, FreezeError as Inner, FrozenToken, Waiting};
-use genom_types::Record;
+use genom_runtime::{ActivityPhase, FreezeError as Inner, Frozen, FrozenToken, Waiting};
+use genom_types::{DataType, Kind, Record};
 
 use super::hosted::Hosted;
+
+/// Last values of ports, by name.
+pub(super) type LastValues = Vec<(String, Option<Record>)>;
+
+/// Name of the first native type in values of this type: pointers to what only the codels of one
+/// library know.
+pub(crate) fn native_in(ty: &DataType) -> Option<String> {
+    // What holds no pointer at all is not searched.
+    if ty.is_fixed_size() {
+        return None;
+    }
+    if let Kind::Native { name } = ty.kind() {
+        return Some(name.to_string());
+    }
+    let element = ty.element().and_then(|element| native_in(&element));
+    element.or_else(|| (0..ty.member_count()).find_map(|rank| native_in(&ty.member(rank)?)))
+}
 
 /// A component could not be frozen.
 #[derive(Debug, thiserror::Error)]
@@ -30,13 +47,28 @@ impl Hosted {
     /// Its codels leave no moment between them, or it stops.
     pub fn freeze(&self, patience: Duration) -> Result<FrozenComponent, FreezeError> {
         let keys = self.port_keys();
-        let mut ports: Vec<(String, Option<Record>)> = Vec::new();
+        let mut ports = LastValues::new();
         let mut also = || {
             let value = |(name, key): &(String, PortKey)| (name.clone(), self.last_value(key));
             ports = keys.iter().map(value).collect();
         };
         let frozen = self.instance.freeze(patience, &mut also);
         let frozen = frozen.map_err(|why| FreezeError { component: self.name.clone(), why })?;
+        Ok(self.state_of(frozen, ports))
+    }
+
+    /// The last values of its ports, now.
+    pub(super) fn last_values(&self) -> Vec<(String, PortKey, Option<Record>)> {
+        let all = self.port_keys().into_iter();
+        all.map(|(name, key)| {
+            let value = self.last_value(&key);
+            (name, key, value)
+        })
+        .collect()
+    }
+
+    /// The same by names.
+    pub(super) fn state_of(&self, frozen: Frozen, ports: LastValues) -> FrozenComponent {
         let model = self.model();
         let mut state = FrozenComponent {
             component: model.name.clone(),
@@ -80,7 +112,7 @@ impl Hosted {
         }
         let deployed = self.standing.all_deployed().into_iter();
         state.deployed = deployed.map(|(service, inputs)| FrozenCall { service, inputs }).collect();
-        Ok(state)
+        state
     }
 
     /// Its ports, and elements of multiple ones, by name. What the runtime writes is not among them.

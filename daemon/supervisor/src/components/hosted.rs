@@ -7,7 +7,7 @@ use genom_description::model::{
     Component as Model, Direction, PortIx, RemoteIx, ServiceIx, ServiceKind, Specification,
 };
 use genom_host::Component;
-use genom_middleware::{Address, Quality, Served, Subscription};
+use genom_middleware::{Address, Publisher, Quality, Served, Subscription};
 use genom_ports::PortKey;
 use genom_runtime::body::{Body, RemoteCall};
 use genom_runtime::plan::Plan;
@@ -25,7 +25,7 @@ use super::input::{Asked, InputError};
 use super::prepared::Prepared;
 use super::spins::{Spin, Spins, times_of};
 use super::standing::Standing;
-use super::tracked::{Tracked, resume};
+use super::tracked::{Tracked, held, resume};
 use super::turn::Turn;
 use super::watch::{BusWatcher, Follower};
 use crate::bus::Bus;
@@ -84,7 +84,7 @@ pub struct Hosted {
     pub(super) serves_at_once: bool,
     plan: Arc<Plan>,
     pub(super) instance: Instance,
-    watcher: Arc<BusWatcher>,
+    pub(super) watcher: Arc<BusWatcher>,
     pub(super) guard: Arc<Guard>,
     spins: Mutex<Spins>,
     /// Its services as offered on middlewares.
@@ -113,6 +113,8 @@ pub struct Starting {
     pub keep_results: Duration,
     /// The state where it is to go on.
     pub(crate) prepared: Option<Prepared>,
+    /// The one whose place it takes: it is held until that is handed over.
+    pub(crate) before: Option<Arc<Hosted>>,
 }
 
 impl Hosted {
@@ -122,17 +124,23 @@ impl Hosted {
         component: Arc<Component>,
         mut options: Options,
     ) -> Result<Self, StartError> {
-        let Starting { name, build, plan, ties, killed, prepared, .. } = starting;
-        let activities = Arc::new(ActivityLog::new(starting.keep_results));
-        let standing: Arc<Standing> = Arc::default();
+        let Starting { name, build, plan, ties, killed, prepared, before, .. } = starting;
+        let (activities, standing) = match &before {
+            Some(before) => (Arc::clone(&before.activities), Arc::clone(&before.standing)),
+            None => (Arc::new(ActivityLog::new(starting.keep_results)), Arc::default()),
+        };
         let mut notes = Vec::new();
         options.resume = prepared.map(|mut prepared| {
             notes = std::mem::take(&mut prepared.notes);
             for call in &prepared.deployed {
                 standing.deployed(&call.service, call.inputs.clone());
             }
-            resume(prepared, &name, &activities, &standing)
+            resume(prepared, &name, &activities, &standing, &|_| false)
         });
+        if let Some(before) = &before {
+            options.resume = Some(held());
+            options.epoch = Some(before.instance.epoch());
+        }
         let serves_at_once = matches!(options.clock, Clock::Virtual(_));
         let guard = Arc::new(starting.guard);
         let watcher = Arc::new(BusWatcher::new(&starting.bus, &name, &plan, &guard));
@@ -385,6 +393,12 @@ impl Hosted {
     ) -> Result<(), HeldUp> {
         let PortKey { port, element } = key;
         self.instance.exclusively(|body| body.bind_in(*port, element.as_deref(), subscription))
+    }
+
+    /// Binds an out port with all codels excluded.
+    pub fn bind_out(&self, key: &PortKey, publisher: Box<dyn Publisher>) -> Result<(), HeldUp> {
+        let PortKey { port, element } = key;
+        self.instance.exclusively(|body| body.bind_out(*port, element.as_deref(), Some(publisher)))
     }
 
     /// Calls `work` while no codel that uses a port is running.

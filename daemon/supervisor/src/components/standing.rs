@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
+use genom_protocol::FrozenComponent;
 use serde_json::Value;
 
 /// Requests to one component whose effect lasts.
@@ -75,6 +76,27 @@ impl Standing {
     /// What a deployment called or started, in order.
     pub fn all_deployed(&self) -> Vec<(String, Value)> {
         self.with(|state| state.deployed.clone())
+    }
+
+    /// The description is another one: forgets services that it does not have.
+    pub(super) fn keep(&self, known: impl Fn(&str) -> bool) {
+        self.with(|state| {
+            state.attributes.retain(|service, _| known(service));
+            state.deployed.retain(|(service, _)| known(service));
+        });
+    }
+
+    /// What a state had of these services stands again.
+    pub(super) fn remember(&self, earlier: &FrozenComponent, of: impl Fn(&str) -> bool) {
+        self.with(|state| {
+            let attributes = earlier.attributes.iter().filter(|(service, _)| of(service));
+            state
+                .attributes
+                .extend(attributes.map(|(name, inputs)| (name.clone(), inputs.clone())));
+            let deployed = earlier.deployed.iter().filter(|call| of(&call.service));
+            let deployed = deployed.map(|call| (call.service.clone(), call.inputs.clone()));
+            state.deployed.extend(deployed);
+        });
     }
 
     fn with<T>(&self, work: impl FnOnce(&mut State) -> T) -> T {

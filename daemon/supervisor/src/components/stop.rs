@@ -47,7 +47,7 @@ impl Hosted {
         self.ties.close();
     }
 
-    fn release_ports(&self, body: &dyn Body) {
+    pub(super) fn release_ports(&self, body: &dyn Body) {
         for remote in self.model().remotes.places() {
             body.bind_remote(remote, None);
         }

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, PoisonError};
 
+use genom_description::model::{Owner, ServiceIx};
 use genom_runtime::{Progress, Reply, Resume, Resumed};
 use genom_types::Record;
 use serde_json::{Value, json};
@@ -76,18 +77,34 @@ impl Drop for Tracked {
     }
 }
 
+/// Nothing but that it is held.
+pub(super) fn held() -> Resume {
+    Resume {
+        ids: None,
+        ports: Vec::new(),
+        executed: Vec::new(),
+        activities: Vec::new(),
+        hold: true,
+    }
+}
+
 /// What the runtime takes to go on at a state.
 pub(super) fn resume(
     prepared: Prepared,
     component: &str,
     log: &Arc<ActivityLog>,
     standing: &Arc<Standing>,
+    goes_on: &dyn Fn(ServiceIx) -> bool,
 ) -> Resume {
     let permanent = prepared.permanent.into_iter();
     let mut activities: Vec<Resumed> =
-        permanent.map(|activity| Resumed { activity, reply: None }).collect();
+        permanent.map(|activity| Resumed { activity, reply: None, goes_on: false }).collect();
     activities.extend(prepared.activities.into_iter().map(|goal| {
         let Goal { activity, service, inputs } = goal;
+        // The reply that its client waits for is kept.
+        if matches!(activity.owner, Owner::Service(service) if goes_on(service)) {
+            return Resumed { activity, reply: None, goes_on: true };
+        }
         let mut tracked = Tracked {
             span: spans::service(component, &service),
             call: None,
@@ -102,7 +119,7 @@ pub(super) fn resume(
             Progress::Accepted { activity } => drop(tracked.started(activity)),
             Progress::Ended(outcome) => tracked.ended(Outcome::from(&outcome)),
         });
-        Resumed { activity, reply: Some(reply) }
+        Resumed { activity, reply: Some(reply), goes_on: false }
     }));
     Resume {
         ids: prepared.ids.map(|ids| -> Box<dyn FnOnce(&mut Record) + Send> {

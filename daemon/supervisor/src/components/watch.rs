@@ -64,6 +64,20 @@ impl BusWatcher {
         self.followers().insert(activity, following);
     }
 
+    /// Goes on to report the activities that another one reported.
+    pub(super) fn inherit(&self, before: &Self) {
+        self.followers().extend(before.followers().drain());
+        let all: Vec<_> = before.with_known(|known| known.drain().collect());
+        let services = &before.plan.component().services;
+        self.with_known(|known| {
+            known.extend(all.into_iter().filter_map(|(activity, before)| {
+                let name = &services[before.service?].name;
+                let service = Some(self.plan.service(name)?);
+                Some((activity, Known { service, last: None }))
+            }));
+        });
+    }
+
     fn followers(&self) -> MutexGuard<'_, HashMap<u32, Arc<Mutex<Following>>>> {
         self.followers.lock().unwrap_or_else(PoisonError::into_inner)
     }

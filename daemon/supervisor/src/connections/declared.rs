@@ -19,6 +19,11 @@ impl Declared {
         });
     }
 
+    /// Replaces all declarations.
+    pub(super) fn replace(&self, new: Vec<ConnectionEntry>) {
+        self.with(|entries| *entries = new);
+    }
+
     /// Removes a declaration, because somebody disconnected this in port or remote or connected it
     /// otherwise.
     pub(super) fn forget(&self, inport: &str) {

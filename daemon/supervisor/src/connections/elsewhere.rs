@@ -3,8 +3,21 @@
 
 use std::sync::{Arc, OnceLock};
 
+use genom_configuration::BackendNames;
+
 /// The middleware between processes of one daemon.
 pub(super) const SHARED: &str = "shm";
+
+/// The middleware that reaches no other process.
+const WITHIN: &str = "local";
+
+/// What these are in a process that components of others are to reach: shared memory in place of
+/// what stays within a process.
+#[must_use]
+pub fn between_processes(names: &BackendNames) -> BackendNames {
+    let all = names.names().iter().map(|name| if name == WITHIN { SHARED } else { name });
+    BackendNames::from(all.collect::<Vec<_>>().join("+").as_str())
+}
 
 /// Says whether another process of this daemon holds a component.
 pub(super) type Holds = Box<dyn Fn(&str) -> bool + Send + Sync>;

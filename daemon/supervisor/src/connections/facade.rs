@@ -6,6 +6,7 @@ use super::core::{Connections, Wanted};
 use super::error::ConnectError;
 use super::find::Inlet;
 use crate::bus::Change;
+use crate::components::Hosted;
 use crate::ties::Connection;
 
 impl Connections {
@@ -54,6 +55,14 @@ impl Connections {
                 self.connect_port(&hosted, &key, wanted).map(Connection::Port)
             }
         }
+    }
+
+    /// Connects a remote of a component that is to take the place of another one.
+    pub(crate) fn connect_heir(&self, heir: &Hosted, wanted: &Wanted) -> Result<(), ConnectError> {
+        let name = wanted.inport.rsplit('/').next().unwrap_or_default();
+        let remotes = &heir.model().remotes;
+        let Some(remote) = remotes.find(|remote| remote.name == name) else { return Ok(()) };
+        self.connect_service(heir, remote, wanted).map(drop)
     }
 
     /// Removes the connection of an in port or remote, and a deployment's declaration for it.
@@ -105,6 +114,11 @@ impl Connections {
     /// requests another one for the same in port or remote.
     pub fn declare(&self, entries: &[ConnectionEntry]) {
         self.declared.keep(entries);
+    }
+
+    /// The same; all other declarations are forgotten.
+    pub(crate) fn declare_only(&self, entries: Vec<ConnectionEntry>) {
+        self.declared.replace(entries);
     }
 
     /// The declared connections.

@@ -21,6 +21,7 @@ mod service;
 mod share;
 
 pub use core::{Connections, Patience, Wanted};
+pub use elsewhere::between_processes;
 pub use error::{ConnectError, Kind};
 pub use find::{publishes, serves};
 pub(crate) use keep::watch;

@@ -13,6 +13,7 @@ use genom_runtime::plan::Plan;
 use genom_runtime::{Clock, HeldUp};
 use genom_types::DataType;
 
+use crate::components::Hosted;
 use crate::limits;
 use crate::recording::Recordings;
 use crate::ties::Ties;
@@ -84,6 +85,22 @@ impl Opening {
         Ok(Fan::new(ends, &self.clock, ty))
     }
 
+    /// A publisher for a port that is open elsewhere.
+    fn nowhere(&self, ty: &DataType) -> Box<dyn Publisher> {
+        Fan::new(Vec::new(), &self.clock, ty).publisher()
+    }
+
+    /// Opens an out port of a component that runs, in place of one of another type.
+    pub(crate) fn open_again(&self, hosted: &Hosted, port: PortIx) -> Result<(), BindError> {
+        let Some(ty) = hosted.port_type(port) else { return Ok(()) };
+        let key = PortKey::new(port, None);
+        let address = hosted.port_address(&key);
+        let fan = self.fan(&hosted.ties, &address, &hosted.model().ports[port].name, ty)?;
+        hosted.bind_out(&key, fan.publisher())?;
+        self.opened(&hosted.ties, key, &address, ty, &fan);
+        Ok(())
+    }
+
     /// Registers an open port with supervisors and recordings.
     fn opened(&self, ties: &Ties, key: PortKey, address: &Address, ty: &DataType, fan: &Fan) {
         ties.opened(key, fan.clone());
@@ -103,6 +120,10 @@ impl Opening {
                 && !port.multiple
                 && let Some(ty) = plan.port_type(index)
             {
+                if ties.is_promised(&port.name) {
+                    body.bind_out(index, None, Some(self.nowhere(ty)));
+                    continue;
+                }
                 let address = Address::new(instance, port.name.as_str());
                 let fan = self.fan(ties, &address, &port.name, ty)?;
                 body.bind_out(index, None, Some(fan.publisher()));
@@ -138,7 +159,11 @@ impl Opener for ElementOpener {
             let (element, port) = (element.to_owned(), name.clone());
             return Err(ElementError::Name { element, port });
         }
-        let address = Address::new(self.instance.as_str(), format!("{name}/{element}"));
+        let local = format!("{name}/{element}");
+        if self.ties.is_promised(&local) {
+            return Ok(self.opening.nowhere(ty));
+        }
+        let address = Address::new(self.instance.as_str(), local);
         let fan = self.opening.fan(&self.ties, &address, name, ty);
         let fan = fan.map_err(|error| ElementError::Open(Box::new(error)))?;
         let key = PortKey::new(port, Some(element));

@@ -42,12 +42,12 @@ fn remaining(left: &[String]) -> String {
 }
 
 /// Takes all steps in order. Each connection waits for its other side for at most `patience`.
-/// Blocks.
+/// Returns how to undo them. Blocks.
 pub(super) fn apply(
     supervisor: &Arc<Supervisor>,
     steps: &[Step],
     patience: Option<Duration>,
-) -> Result<(), ApplyError> {
+) -> Result<Vec<Undo>, ApplyError> {
     let ran = Running::now(&supervisor.components);
     let mut undo = Vec::new();
     let mut rest = steps;
@@ -69,7 +69,7 @@ pub(super) fn apply(
             return Err(ApplyError { step, why, place, left });
         }
     }
-    Ok(())
+    Ok(undo)
 }
 
 fn tell(bus: &Bus, step: &Step, status: StepStatus) {

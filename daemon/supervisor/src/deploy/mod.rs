@@ -12,12 +12,13 @@ pub use error::{MoveError, StepError};
 pub use step::Step;
 pub use steps::{Contradiction, Steps};
 pub(crate) use undo::Gone;
+use undo::Undo;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-use genom_configuration::Deployment;
+use genom_configuration::{ConnectionEntry, Deployment};
 use genom_protocol::FrozenComponent;
 
 use self::steps::Present;
@@ -73,7 +74,22 @@ impl Supervisor {
         self: &Arc<Self>,
         steps: &[Step],
         patience: Option<Duration>,
-    ) -> Result<(), ApplyError> {
-        apply::apply(self, steps, patience)
+    ) -> Result<Done, ApplyError> {
+        let declared = self.connections.declared();
+        Ok(Done { undo: apply::apply(self, steps, patience)?, declared })
     }
+
+    /// Undoes a deployment. Returns what could not be undone. Blocks.
+    pub fn take_back(self: &Arc<Self>, Done { undo, declared }: Done) -> Vec<String> {
+        let left = undo::take_back(self, undo);
+        self.connections.declare_only(declared);
+        left
+    }
+}
+
+/// What a deployment did, to be undone.
+pub struct Done {
+    undo: Vec<Undo>,
+    /// The connections that were declared before.
+    declared: Vec<ConnectionEntry>,
 }

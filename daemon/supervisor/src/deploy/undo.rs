@@ -34,7 +34,7 @@ pub(super) enum Undo {
 pub(crate) struct Gone {
     /// The request that loads it.
     pub(crate) request: LoadRequest,
-    connections: Vec<ConnectionEntry>,
+    pub(crate) connections: Vec<ConnectionEntry>,
     /// Services whose activities were running.
     interrupted: Vec<String>,
 }

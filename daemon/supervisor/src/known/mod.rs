@@ -6,6 +6,7 @@
 //! (`#pragma requires`) is queried again only when the description is read again.
 
 mod seen;
+mod texts;
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -20,6 +21,7 @@ use genom_host::{Digest, without_leftovers};
 use genom_runtime::plan::{Plan, PlanError};
 
 use seen::Seen;
+pub(crate) use texts::Texts;
 
 /// Maximum number of descriptions kept, those used last. A daemon rarely runs that many kinds of
 /// components.
@@ -39,6 +41,8 @@ pub enum Description {
         /// Its text.
         text: String,
     },
+    /// As it was, whatever its files hold now.
+    Kept(Arc<Texts>),
 }
 
 impl Description {
@@ -47,6 +51,7 @@ impl Description {
         match self {
             Description::File(path) => Some(path.clone()),
             Description::Embedded { .. } => None,
+            Description::Kept(texts) => texts.file(),
         }
     }
 
@@ -54,6 +59,7 @@ impl Description {
     pub fn path(&self) -> &Path {
         match self {
             Description::File(path) | Description::Embedded { name: path, .. } => path,
+            Description::Kept(texts) => texts.name(),
         }
     }
 }
@@ -107,6 +113,9 @@ impl Reading {
                 let seen = Seen::through(&files, Some(name));
                 (read_files(&inputs, &options, &seen), seen.finish())
             }
+            Description::Kept(texts) => {
+                (read_files(&inputs, &options, &texts.files()), Seen::default())
+            }
         };
         let warnings = drawn(&analysis)?;
         let Analysis { specification, sources, .. } = analysis;
@@ -114,6 +123,20 @@ impl Reading {
         let plan = Arc::new(Plan::new(&Arc::new(specification), index)?);
         let (description, include) = (description.clone(), include.to_vec());
         Ok(Self { description, include, seen, sources, plan, warnings, fit: Mutex::default() })
+    }
+
+    /// The texts that it was read from.
+    pub(crate) fn texts(&self) -> Texts {
+        let texts = self.seen.contents();
+        match &self.description {
+            Description::Kept(texts) => Texts::clone(texts),
+            Description::File(path) => Texts { name: path.clone(), embedded: false, texts },
+            Description::Embedded { name, text } => {
+                let own = (name.clone(), text.clone().into_bytes());
+                let texts = texts.into_iter().chain([own]).collect();
+                Texts { name: name.clone(), embedded: true, texts }
+            }
+        }
     }
 
     /// Its component.
@@ -260,6 +283,39 @@ mod tests {
         assert!(!Arc::ptr_eq(&third, &read()));
         fs::remove_file(at("far/types.gen")).unwrap();
         assert!(known.read(&Description::File(at("one.gen")), &include).is_err());
+    }
+
+    #[test]
+    fn the_texts_of_a_description_give_it_again_when_its_files_are_gone() {
+        let scratch = tempfile::tempdir().unwrap();
+        let at = |name: &str| scratch.path().join(name);
+        fs::create_dir_all(at("far/deep")).unwrap();
+        fs::write(at("far/types.gen"), "#include \"deep/../more.gen\"").unwrap();
+        fs::write(at("far/more.gen"), "#pragma once\nstruct place { double x; };").unwrap();
+        let text = "#include <types.gen>\n#include <more.gen>\n\
+                    component one { ids { place p; }; };";
+        fs::write(at("one.gen"), text).unwrap();
+        let embedded = Description::Embedded { name: at("one.gen"), text: text.to_owned() };
+        let include = [at("near"), at("far")];
+        let kept_in = at("kept");
+        for description in [Description::File(at("one.gen")), embedded] {
+            let before = Reading::new(&description, &include).unwrap();
+            before.texts().write(&kept_in).unwrap();
+            fs::rename(at("far"), at("gone")).unwrap();
+            assert!(Reading::new(&description, &include).is_err());
+            let texts = Texts::read(&kept_in).unwrap().unwrap();
+            let kept = Description::Kept(Arc::new(texts));
+            let after = Reading::new(&kept, &include).unwrap();
+            let digest = |one: &Reading| one.model().digest.clone();
+            assert_eq!(digest(&after), digest(&before));
+            assert_eq!((kept.file(), kept.path()), (description.file(), description.path()));
+            assert_eq!(after.texts(), before.texts());
+            let known = Known::default();
+            let read = || known.read(&kept, &include).unwrap();
+            assert!(Arc::ptr_eq(&read(), &read()));
+            fs::rename(at("gone"), at("far")).unwrap();
+        }
+        assert!(Texts::read(&at("nothing")).unwrap().is_none());
     }
 
     #[test]

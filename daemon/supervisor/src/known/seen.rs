@@ -31,6 +31,12 @@ impl Seen {
         Witness { files, text: text.map(tidy), seen: RefCell::default() }
     }
 
+    /// The contents of the files that were read.
+    pub(super) fn contents(&self) -> BTreeMap<PathBuf, Vec<u8>> {
+        let read = |(path, text): (&PathBuf, &Option<Vec<u8>>)| Some((path.clone(), text.clone()?));
+        self.contents.iter().filter_map(read).collect()
+    }
+
     /// Whether the file system gives the same answers now.
     pub(super) fn is_current(&self) -> bool {
         let same = |(path, before): (&PathBuf, &Option<Vec<u8>>)| Disk.read(path).ok() == *before;

@@ -23,6 +23,9 @@ pub enum LoadError {
     /// The library or the description was not found.
     #[error(transparent)]
     Locate(#[from] LocateError),
+    /// What was kept of the description before a reload cannot be read.
+    #[error("{}: the description from before the reload: {source}", file.display())]
+    Kept { file: PathBuf, source: std::io::Error },
     /// The description is not valid.
     #[error(transparent)]
     Read(#[from] ReadError),

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use genom_host::{Contents, EmbeddedDescription};
 
+use super::installed;
 use crate::known::Description;
 use genom_configuration::LoadRequest;
 
@@ -24,8 +25,8 @@ pub(crate) struct Located {
 pub enum LocateError {
     /// There is no library.
     #[error(
-        "no library for {}: there is no {}; build the component, or name its directory \
-         with --path or GENOM_PATH",
+        "no library for {}: there is no {}, and none is installed; build the component, or name \
+         its directory or installation prefix with --path or GENOM_PATH",
         .wanted.display(),
         list(.tried)
     )]
@@ -61,7 +62,7 @@ pub(crate) fn locate(request: &LoadRequest, path: &[PathBuf]) -> Result<Located,
     } else if is_library(wanted) {
         existing(wanted.clone()).or_else(|| named_on_path(wanted, path))
     } else {
-        beside(wanted).or_else(|| on_path(wanted, path))
+        beside(wanted).or_else(|| on_path(wanted, path)).or_else(|| anywhere(wanted))
     };
     let Some(library) = library else {
         if named_gen && find_description(wanted, path).is_none() {
@@ -119,13 +120,23 @@ fn beside(wanted: &Path) -> Option<PathBuf> {
         .or_else(|| project_library(&whole(wanted)))
 }
 
-/// The library for a description or name on the component path: in one of its directories, or in a
-/// subdirectory of that name.
+/// The library for a description or name on the component path: in one of its directories, in a
+/// subdirectory of that name, or where a build installs libraries below it.
 fn on_path(wanted: &Path, path: &[PathBuf]) -> Option<PathBuf> {
     let stem = wanted.file_stem()?;
     path.iter().find_map(|directory| {
-        beside(&directory.join(stem)).or_else(|| beside(&directory.join(stem).join(stem)))
+        beside(&directory.join(stem))
+            .or_else(|| beside(&directory.join(stem).join(stem)))
+            .or_else(|| installed::in_prefix(directory, &stem.to_string_lossy()))
     })
+}
+
+/// The library of a component that is installed with genomd or beside it, or that pkg-config knows.
+fn anywhere(wanted: &Path) -> Option<PathBuf> {
+    let name = wanted.to_str().filter(|_| is_bare(wanted))?;
+    let own = installed::own_prefix();
+    own.and_then(|prefix| on_path(wanted, &[prefix.join("lib/genomd"), prefix]))
+        .or_else(|| installed::library_by_package(name))
 }
 
 /// Possible names of the library: `demo.so`, `libdemo_codels.so` (as GenoM3 names it) and
@@ -146,10 +157,14 @@ fn whole(path: &Path) -> PathBuf {
 /// The library of a GenoM3 project (genom3.md 5.9), given its description: in the source tree,
 /// where libtool puts it, or installed.
 fn project_library(description: &Path) -> Option<PathBuf> {
-    let file = format!("lib{}_codels.so", description.file_stem()?.to_string_lossy());
+    let name = description.file_stem()?.to_string_lossy();
     let tree = description.with_file_name("codels").join(".libs");
-    let installed = description.ancestors().nth(4).map(|prefix| prefix.join("lib"));
-    [Some(tree), installed].into_iter().flatten().find_map(|place| existing(place.join(&file)))
+    let here = description.parent()?;
+    // Installed: PREFIX/share/idl/NAME/NAME.gen.
+    let prefix = description.ancestors().nth(4);
+    installed::library_in(&tree, &name)
+        .or_else(|| installed::library_in(here, &name))
+        .or_else(|| installed::in_prefix(prefix?, &name))
 }
 
 /// The description of a GenoM3 project, given its library: in the source tree, or installed.
@@ -176,7 +191,8 @@ fn description_of(library: &Path) -> Result<(Description, Option<Contents>), Loc
     }
     let found = existing(beside.clone())
         .or_else(|| project_description(library))
-        .or_else(|| project_description(&whole(library)));
+        .or_else(|| project_description(&whole(library)))
+        .or_else(|| installed::description_by_package(&component_name(library)));
     match found {
         Some(file) => Ok((Description::File(file), Some(contents))),
         None => Err(LocateError::NoDescription { library: library.to_owned(), beside }),

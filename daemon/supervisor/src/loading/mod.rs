@@ -3,6 +3,7 @@
 
 pub(crate) mod built;
 mod error;
+mod installed;
 pub(crate) mod locate;
 mod reactions;
 mod source;
@@ -31,7 +32,7 @@ use crate::supervisor::Supervisor;
 pub use built::text as date_in_utc;
 pub use error::LoadError;
 pub use reactions::{IdleReaction, check_reactions};
-pub(crate) use source::Source;
+pub(crate) use source::{Source, texts_beside};
 pub use supervision::NoSuchRule;
 
 impl Supervisor {
@@ -113,7 +114,7 @@ fn bring_up(
     for backend in named.flat_map(BackendNames::names) {
         supervisor.backends.get(backend)?;
     }
-    let Source { mut located, reading, opened } = source;
+    let Source { located, reading, opened } = source;
     let model = reading.model();
     let name = request.name.clone().unwrap_or_else(|| model.name.clone());
     if !is_name(&name) {
@@ -123,6 +124,24 @@ fn bring_up(
     let Some(reservation) = supervisor.components.reserve(&name) else {
         return Err(LoadError::Taken(name));
     };
+    let source = Source { located, reading, opened };
+    let hosted = begin(supervisor, request, name, source, None)?;
+    reservation.keep(Arc::clone(&hosted));
+    if hosted.killed.is_up() {
+        unload_killed(&Arc::downgrade(supervisor), &hosted.name);
+    }
+    Ok(hosted)
+}
+
+/// Starts what was found, under a name that is free, or beside the component that has it.
+pub(crate) fn begin(
+    supervisor: &Arc<Supervisor>,
+    request: &LoadRequest,
+    name: String,
+    source: Source,
+    before: Option<&Arc<Hosted>>,
+) -> Result<Arc<Hosted>, LoadError> {
+    let Source { mut located, reading, opened } = source;
     // Dropped when a step fails, otherwise kept as long as the component.
     let mut masquerades = Vec::new();
     for one in &reading.plan.specification().masquerades {
@@ -140,12 +159,8 @@ fn bring_up(
     let library = std::path::absolute(&located.library).unwrap_or(located.library);
     let (request, description) = (request.clone(), located.description);
     let build = Build { request, library, digest, description, reading };
-    let hosted = start::start(supervisor, name, build, plan, component)?;
+    let hosted = start::start(supervisor, name, build, plan, component, before)?;
     hosted.ties.wear(masquerades);
-    reservation.keep(Arc::clone(&hosted));
-    if hosted.killed.is_up() {
-        unload_killed(&Arc::downgrade(supervisor), &hosted.name);
-    }
     Ok(hosted)
 }
 

@@ -1,5 +1,6 @@
 //! What a component is loaded from.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use genom_configuration::LoadRequest;
@@ -9,7 +10,7 @@ use super::error::LoadError;
 use super::locate::{Located, locate};
 use super::warnings::tell_warnings;
 use crate::components::Build;
-use crate::known::Reading;
+use crate::known::{Description, Reading, Texts};
 use crate::supervisor::Supervisor;
 
 /// Library and description, found and read.
@@ -26,15 +27,21 @@ impl Source {
         let Some(instead) = &request.instead else {
             return Self::of(supervisor, locate(request, &supervisor.settings.path)?);
         };
-        let kept = LoadRequest { library: instead.clone(), ..request.clone() };
-        let mut located = locate(&kept, &supervisor.settings.path)?;
-        let contents = match located.contents.take() {
-            Some(contents) => contents,
-            None => Contents::read(instead)?,
+        let file = texts_beside(instead);
+        let read = Texts::read(&file);
+        let read = read.map_err(|source| LoadError::Kept { file: file.clone(), source })?;
+        let contents = Contents::read(instead)?;
+        let library = request.library.clone();
+        let description = match read {
+            Some(texts) => Description::Kept(Arc::new(texts)),
+            // Its files have not changed, or it is in the library.
+            None => {
+                let kept = LoadRequest { library: instead.clone(), ..request.clone() };
+                locate(&kept, &supervisor.settings.path)?.description
+            }
         };
-        located.library.clone_from(&request.library);
-        located.contents = Some(Contents { path: request.library.clone(), ..contents });
-        Self::of(supervisor, located)
+        let contents = Some(Contents { path: library.clone(), ..contents });
+        Self::of(supervisor, Located { library, description, contents })
     }
 
     /// Reads the description of what was found.
@@ -49,4 +56,9 @@ impl Source {
         let Build { library, description, reading, .. } = build;
         Self { located: Located { library, description, contents }, reading, opened: None }
     }
+}
+
+/// Where the texts of the description are that belongs to a copy of a library.
+pub(crate) fn texts_beside(copy: &Path) -> PathBuf {
+    copy.with_extension("texts")
 }

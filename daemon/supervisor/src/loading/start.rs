@@ -24,6 +24,7 @@ pub(super) fn start(
     mut build: Build,
     plan: Arc<Plan>,
     component: Component,
+    before: Option<&Arc<Hosted>>,
 ) -> Result<Arc<Hosted>, LoadError> {
     let prepared = match build.request.resume.as_deref() {
         None => None,
@@ -42,6 +43,9 @@ pub(super) fn start(
     let backend = request.backend.clone().unwrap_or_else(default);
     let bindings = Bindings::new(backend.clone(), request.ports.clone(), request.qos.clone());
     let (ties, killed) = (Arc::new(Ties::new(bindings)), Flag::new());
+    if let Some(before) = before {
+        ties.promise(before.open_ports());
+    }
     let bound = |source| LoadError::Bind { name: name.clone(), source };
     supervisor.connections.opening().bind(&component, &plan, &name, &ties).map_err(bound)?;
     let services = Arc::new(StandardServices::new(supervisor, &name, &killed));
@@ -75,11 +79,15 @@ pub(super) fn start(
         recordings: Arc::clone(&supervisor.recordings),
         keep_results: supervisor.settings.keep_results,
         prepared,
+        before: before.cloned(),
     };
     let hosted = match Hosted::start(starting, Arc::new(component), options) {
         Ok(hosted) => Arc::new(hosted),
         Err(error) => return Err(LoadError::Start { name, why: error.to_string() }),
     };
+    if before.is_some() {
+        return Ok(hosted);
+    }
     match supervisor.connections.serve_on(&hosted, backend.names()) {
         Ok(served) => hosted.serve_also(served, &backend),
         Err(source) => {

@@ -15,7 +15,8 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use genom_description::model::PortDirection;
 use genom_middleware::Address;
 use genom_ports::dates::{Calendar, Dates};
-use genom_ports::tape::{Reel, Tape, Tapes, tape};
+use genom_ports::tape::{Reel, Tape, Tapes, What, tape};
+use genom_protocol::RecordingRequest;
 use genom_protocol::frames::Channel;
 use genom_types::{DataType, message};
 use serde_json::{Value, json};
@@ -49,6 +50,8 @@ pub struct Session {
     pub number: u64,
     /// Names of components, ports and elements to record; everything if empty.
     wanted: Vec<String>,
+    /// What it has of each sample.
+    what: What,
     /// Channels that the recording's thread has not seen yet.
     new: Mutex<Vec<(Channel, Reel)>>,
     notes: Notes,
@@ -84,10 +87,11 @@ impl Recordings {
 
     /// Starts a recording. It covers ports opened from now on, and open ones for which `opened` is
     /// called again.
-    pub fn start(&self, wanted: Vec<String>) -> Arc<Session> {
+    pub fn start(&self, wanted: RecordingRequest) -> Arc<Session> {
         let session = Arc::new(Session {
             number: self.last.fetch_add(1, Ordering::Relaxed) + 1,
-            wanted,
+            wanted: wanted.ports,
+            what: if wanted.times { What::Times } else { What::Contents },
             new: Mutex::default(),
             notes: Notes::default(),
             calendar: self.dates.calendar(),
@@ -169,9 +173,13 @@ impl Recordings {
         };
         for session in sessions {
             tapes.add(session.number, || {
-                let (tape, reel) = tape(session.number, ty, self.dates.clone());
+                let (tape, reel) = tape(session.number, ty, self.dates.clone(), session.what);
+                let mut head = head.clone();
+                if session.what == What::Times {
+                    head.encoding = "times".to_owned();
+                }
                 let mut new = session.new.lock().unwrap_or_else(PoisonError::into_inner);
-                new.push((head.clone(), reel));
+                new.push((head, reel));
                 tape
             });
         }
@@ -302,7 +310,7 @@ mod tests {
         let native = table.add(Kind::Native { name: ScopedName::new(["demo", "handle"]) });
         let ty = DataType::new(&Arc::new(table), native).unwrap();
         let recordings = Recordings::default();
-        let session = recordings.start(Vec::new());
+        let session = recordings.start(RecordingRequest::default());
         let at = Address::new("demo", "handle");
         for _ in 0..3 {
             recordings.opened(&at, PortDirection::Out, None, &ty, &Tapes::default());

@@ -1,7 +1,10 @@
 //! Errors of exchanging the library of a running component.
 
+use std::path::PathBuf;
+
 use genom_host::CannotExchange;
 use genom_runtime::NoRest;
+use genom_types::native::NotConverted;
 
 use crate::components::FreezeError;
 use crate::components::UnloadError;
@@ -20,6 +23,9 @@ pub enum ReloadError {
     /// The new library cannot be found, read or opened, or does not fit its description.
     #[error(transparent)]
     Load(#[from] LoadError),
+    /// Loading it ends a process.
+    #[error("{} ends the process that loads it ({end}): nothing was changed", library.display())]
+    Crashes { library: PathBuf, end: String },
     /// It is a library of another component.
     #[error(
         "{name} is a component {runs}, and the library is one of {found}: load it with `genomctl \
@@ -31,6 +37,9 @@ pub enum ReloadError {
         "port {name}/{port} is connected ({peer}), and the new description has {found}: disconnect it first"
     )]
     Port { name: String, port: String, peer: String, found: &'static str },
+    /// Native data was refused.
+    #[error("{name} goes on as it is: {source}")]
+    NotConverted { name: String, source: NotConverted },
     /// Its state cannot be taken.
     #[error(transparent)]
     Freeze(#[from] FreezeError),

@@ -3,43 +3,36 @@
 //! All that can fail or take long is done beside the component: the new library is copied, opened
 //! and compared with the description as at a load. Then the code is exchanged at a moment when no
 //! codel runs and each activity is at a pause; the memory stays where it is. If the description is
-//! another one, the component is stopped, and the new one starts where it was. The library that ran
-//! before is closed by the rule of all libraries, when nothing can be in its code any more.
+//! another one, a second component starts beside it and takes its place between two ticks. The library
+//! that ran before is closed by the rule of all libraries, when nothing can be in its code any more.
 
+mod back;
+mod beforehand;
+mod beside;
 mod error;
+mod found;
 mod native;
 mod restart;
 mod trial;
 mod watch;
 
 use std::sync::Arc;
-use std::thread;
-use std::time::Duration;
 
-use genom_host::Component;
-use genom_protocol::{ComponentReload, LoadRequest, ReloadRequest};
+use genom_configuration::ReloadSection;
+use genom_host::Contents;
+use genom_protocol::{ComponentReload, ReloadRequest};
 
 use crate::bus::Change;
-use crate::components::{Build, Hosted};
+use crate::components::{Build, Hosted, is_vacated};
 use crate::loading::locate::LocateError;
 use crate::loading::{LoadError, Source, built, locate, open};
 use crate::supervisor::Supervisor;
+use back::{Before, Way};
+use found::Found;
 use trial::{REST, Trial};
 
 pub use error::ReloadError;
 pub use trial::roll_back;
-
-/// How often to look whether a thread is in the old library: addresses that it left on the stacks
-/// of tasks disappear when these go on.
-const LOOKS: u32 = 20;
-/// Pause between two looks.
-const LOOK: Duration = Duration::from_millis(20);
-
-/// What a component is to run from now on.
-struct Found {
-    request: LoadRequest,
-    source: Source,
-}
 
 impl Supervisor {
     /// Exchanges the library of a running component. Blocks for file access, and until no codel
@@ -69,6 +62,7 @@ impl Supervisor {
             (found.source.reading.model(), found.source.reading.plan.specification());
         let same = specification.fingerprint == hosted.specification().fingerprint;
         let native = native::inside(model, &specification.types);
+        let in_locals = native::in_locals(model, &specification.types);
         let mut reload = ComponentReload {
             component: name.to_owned(),
             library: library.clone(),
@@ -77,21 +71,39 @@ impl Supervisor {
             old_stays: false,
         };
         if reload.restarted {
-            reload.notes = self.restart(hosted, found)?;
-            let native = native.filter(|_| same);
-            reload.notes.extend(native.map(|native| {
-                format!("native data ({native}) is what the start codels made of it")
-            }));
+            if asked.stop_first {
+                reload.notes = self.restart(hosted, found)?;
+                let native = native.filter(|_| same);
+                reload.notes.extend(native.map(|native| {
+                    format!("native data ({native}) is what the start codels made of it")
+                }));
+            } else {
+                (reload.notes, reload.old_stays) = self.begin_beside(hosted, found)?;
+                reload.notes.extend(in_locals.map(|native| {
+                    format!("native data ({native}) in local variables of activities starts anew")
+                }));
+            }
         } else if let Some((new, digest)) = found.source.opened.take() {
             let Found { request, source: Source { located, reading, .. } } = found;
             let (date, description) = (built::date(&library), located.description);
             let build = Build { request, library, digest, description, reading };
-            let trial = Trial::begin(self, &hosted);
+            let trial = Trial::begin(self, &hosted, false);
+            let (ran, bus) = (hosted.build(), Arc::clone(&self.bus));
+            let changes = bus.live();
             hosted.exchange(&new, build, date, REST)??;
-            if let Some(trial) = trial {
-                trial.watch(&hosted);
+            let ReloadSection { ticks, exceptions } = self.settings.reload;
+            if exceptions {
+                // What it holds now is the code that ran.
+                let date = built::date(&ran.library);
+                let way = Way::Exchange { component: new, date };
+                let before = Before { way, build: ran, changes, bus };
+                back::watch(&hosted, trial, before, ticks);
+            } else {
+                if let Some(trial) = trial {
+                    trial.watch(&hosted, ticks);
+                }
+                reload.old_stays = !is_vacated(&new);
             }
-            reload.old_stays = !close(new);
         }
         let path = reload.library.display().to_string();
         tracing::info!(instance = name, "runs {path} now");
@@ -125,23 +137,30 @@ impl Supervisor {
             let (name, runs, found) = (hosted.name.clone(), old.name.clone(), new.name.clone());
             return Err(ReloadError::OtherComponent { name, runs, found });
         }
+        self.load_beforehand(&mut source)?;
         let (component, digest) = open(&mut source.located, &source.reading)?;
         component.name_it(&hosted.name);
         source.opened = Some((component, digest));
         Ok(Found { request, source })
     }
-}
 
-/// Closes the library that ran before; returns whether nothing is in it any more.
-fn close(old: Component) -> bool {
-    let free = (0..LOOKS).any(|_| {
-        let free = !old.is_in_code();
-        if !free {
-            thread::park_timeout(LOOK);
+    /// In a cell, loads a library that is new here in another process.
+    fn load_beforehand(&self, source: &mut Source) -> Result<(), ReloadError> {
+        let Some(program) = self.settings.trials.as_ref().and_then(|one| one.program.as_deref())
+        else {
+            return Ok(());
+        };
+        let located = &mut source.located;
+        let contents = match located.contents.take() {
+            Some(contents) => contents,
+            None => Contents::read(&located.library).map_err(LoadError::from)?,
+        };
+        let known = source.reading.fits(&contents.digest());
+        located.contents = Some(contents);
+        if known {
+            return Ok(());
         }
-        free
-    });
-    // It is unmapped here, unless something uses it.
-    drop(old);
-    free
+        let description = located.description.file();
+        beforehand::load(program, &located.library, description, &self.settings.include)
+    }
 }

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use genom_description::model::{PortDirection, PortIx};
-use genom_middleware::Address;
+use genom_description::model::{Port, PortDirection, PortIx};
+use genom_middleware::{Address, Endpoint, EndpointKind};
 use genom_protocol::Resumption;
 
-use super::Found;
 use super::error::ReloadError;
+use super::found::Found;
 use super::trial::REST;
 use crate::components::Hosted;
 use crate::deploy::Gone;
@@ -59,8 +59,9 @@ impl Supervisor {
         }
     }
 
-    /// Refuses a description that takes away a port that is connected, or gives it another type.
-    fn check_ports(&self, hosted: &Hosted, source: &Source) -> Result<(), ReloadError> {
+    /// Refuses a description that takes away a port that is connected, or gives it another type; its
+    /// readers in other processes count as far as middlewares show them.
+    pub(super) fn check_ports(&self, hosted: &Hosted, source: &Source) -> Result<(), ReloadError> {
         let (old, plan) = (hosted.model(), &source.reading.plan);
         let all = self.connections.all();
         for (index, port) in old.ports.pairs() {
@@ -74,7 +75,6 @@ impl Supervisor {
                 PortDirection::Out if is_end(made.outport()) => Some(made.inport().to_string()),
                 _ => None,
             });
-            let Some(peer) = peer else { continue };
             let new: Option<PortIx> = plan.component().ports.find(|new| new.name == port.name);
             let found = match new.map(|new| (&plan.component().ports[new], plan.port_type(new))) {
                 None => "no such port",
@@ -85,9 +85,29 @@ impl Supervisor {
                     _ => "another type of it",
                 },
             };
+            let Some(peer) = peer.or_else(|| self.reader_elsewhere(hosted, port)) else { continue };
             let (name, port) = (hosted.name.clone(), port.name.clone());
             return Err(ReloadError::Port { name, port, peer, found });
         }
         Ok(())
+    }
+
+    /// Who reads an out port in another process, as far as its middlewares show it.
+    fn reader_elsewhere(&self, hosted: &Hosted, port: &Port) -> Option<String> {
+        if port.direction != PortDirection::Out {
+            return None;
+        }
+        let address = Address::new(hosted.name.as_str(), port.name.as_str());
+        hosted.ties.bindings.port(&port.name).names().iter().find_map(|name| {
+            let middleware = self.backends.get(name).ok()?;
+            let spelled = middleware.spelled(&address);
+            let reads = |found: &Endpoint| {
+                let rest = found.address.strip_prefix(spelled.as_str());
+                found.kind == EndpointKind::Subscription
+                    && rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+            };
+            let found = middleware.discover().ok()?.into_iter().any(|found| reads(&found));
+            found.then(|| format!("a reader in another process, on {name}"))
+        })
     }
 }

@@ -38,6 +38,9 @@ struct State {
     masquerades: Vec<Masquerade>,
     /// Open out ports, and elements of multiple ones that codels opened.
     opened: BTreeMap<PortKey, Fan>,
+    /// Names of out ports, and of their elements, that are open in the component whose place this one
+    /// takes: they are handed over.
+    promised: BTreeSet<String>,
 }
 
 impl Ties {
@@ -45,6 +48,21 @@ impl Ties {
     #[must_use]
     pub fn new(bindings: Bindings) -> Self {
         Self { bindings, state: Mutex::default(), feeds: Feeds::default() }
+    }
+
+    /// For a component that is to take the place of another one: these out ports are handed over.
+    pub(crate) fn promise(&self, all: BTreeSet<String>) {
+        self.with(|state| state.promised = all);
+    }
+
+    /// Whether this out port, or element of one, is to be handed over.
+    pub(crate) fn is_promised(&self, name: &str) -> bool {
+        self.with(|state| state.promised.contains(name))
+    }
+
+    /// All that was to be handed over was.
+    pub(crate) fn is_handed_over(&self) {
+        self.with(|state| state.promised.clear());
     }
 
     /// Keeps the foreign names of the component's types.

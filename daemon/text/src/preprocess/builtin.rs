@@ -12,7 +12,7 @@ use crate::source::Span;
 
 /// The version of GenoM3 that `__GENOM__` claims: newer than every feature that descriptions test
 /// for.
-const GENOM: &str = "2.99.41";
+pub const GENOM: &str = "2.99.41";
 
 impl Preprocessor<'_> {
     /// Defines the macros of genom3.md 1.2, then those of the command line.

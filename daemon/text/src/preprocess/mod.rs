@@ -17,6 +17,7 @@ mod room;
 mod scanner;
 mod state;
 
+pub use builtin::GENOM;
 pub use options::Options;
 pub use scanner::sign_length;
 

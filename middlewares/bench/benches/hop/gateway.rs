@@ -5,48 +5,33 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
 use std::sync::Arc;
 
-use genom_bench::pair::{Receive, Send};
 use genom_gateway::{Proxy, Reach, Server};
 use genom_middleware::Middleware;
 
-use crate::{Backend, ros2, zenoh};
+use crate::ours;
 
 /// Precedes what a gateway is started with.
 pub(crate) const GATEWAY: &str = "--gateway-of";
 
 pub(crate) struct Through {
-    bare: Box<dyn Backend>,
     proxy: Option<Proxy>,
     gateway: Child,
 }
 
 impl Through {
     /// Starts a gateway for one side.
-    pub(crate) fn open(
-        name: &'static str,
-        place: &Path,
-        reads: bool,
-        bare: Box<dyn Backend>,
-    ) -> Self {
+    pub(crate) fn open(name: &'static str, place: &Path, reads: bool) -> Self {
         let side = place.join(if reads { "reads" } else { "writes" });
         let program = std::env::current_exe().unwrap();
         let gateway = Command::new(program).arg(GATEWAY).arg(name).arg(place).arg(&side).spawn();
         let gateway = gateway.unwrap();
         let proxy = Some(Proxy::open(name, Reach::new(&side)).unwrap());
-        Self { bare, proxy, gateway }
+        Self { proxy, gateway }
     }
 }
 
-impl Backend for Through {
-    fn writer(&self, bytes: usize) -> Box<dyn Send> {
-        self.bare.writer(bytes)
-    }
-
-    fn reader(&self, bytes: usize) -> Box<dyn Receive> {
-        self.bare.reader(bytes)
-    }
-
-    fn ours(&self) -> &dyn Middleware {
+impl Through {
+    pub(crate) fn ours(&self) -> &dyn Middleware {
         self.proxy.as_ref().unwrap()
     }
 }
@@ -61,13 +46,10 @@ impl Drop for Through {
 
 /// The process of a gateway.
 pub(crate) fn serve(name: &str, place: &Path, side: &Path) -> Result<(), Box<dyn Error>> {
-    let open: Arc<dyn Middleware> = match name {
-        "zenoh" => zenoh::ours(place),
-        _ => ros2::ours(),
-    };
-    let socket: PathBuf = Reach::new(side).socket(name);
-    std::fs::create_dir_all(socket.parent().unwrap())?;
-    let listening = Server::listen(&socket, open)?;
+    let open: Arc<dyn Middleware> = ours::open(name, place);
+    let door: PathBuf = Reach::new(side).door(name);
+    std::fs::create_dir_all(door.parent().unwrap())?;
+    let listening = Server::listen(&door, open)?;
     listening.unused()();
     Ok(())
 }

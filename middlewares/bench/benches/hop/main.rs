@@ -12,27 +12,37 @@
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a program that prints figures")]
 
 mod gateway;
-mod place;
+mod ours;
 mod ports;
-mod ros2;
-mod shm;
-mod zenoh;
 
 use std::error::Error;
 use std::path::Path;
+use std::sync::Arc;
 
-use genom_bench::pair::{Reader, Receive, Send, serve};
+use genom_bench::bare::{self, Bare};
+use genom_bench::pair::{Reader, serve};
 use genom_bench::{Figures, SIZES};
 use genom_middleware::Middleware;
 
 /// One middleware, bare and as genomd's backend, in one process.
-trait Backend {
-    /// The writing end of the bare middleware.
-    fn writer(&self, bytes: usize) -> Box<dyn Send>;
-    /// The reading end of the bare middleware.
-    fn reader(&self, bytes: usize) -> Box<dyn Receive>;
-    /// The same middleware as genomd's backend.
-    fn ours(&self) -> &dyn Middleware;
+struct Both {
+    bare: Box<dyn Bare>,
+    ours: Ours,
+}
+
+/// genomd's backend.
+enum Ours {
+    Direct(Arc<dyn Middleware>),
+    Through(gateway::Through),
+}
+
+impl Both {
+    fn ours(&self) -> &dyn Middleware {
+        match &self.ours {
+            Ours::Direct(middleware) => &**middleware,
+            Ours::Through(gateway) => gateway.ours(),
+        }
+    }
 }
 
 const BACKENDS: [&str; 3] = ["shm", "zenoh", "ros2"];
@@ -43,35 +53,38 @@ const READER: &str = "--reader";
 /// Given to the reading process, too.
 const THROUGH: &str = "--gateway";
 
-fn open(name: &str, place: &Path, reads: bool, through: bool) -> Box<dyn Backend> {
-    let (name, both): (_, Box<dyn Backend>) = match name {
-        "shm" => return Box::new(shm::Both::open(place)),
-        "zenoh" => ("zenoh", Box::new(zenoh::Both::open(place, reads))),
-        _ => ("ros2", Box::new(ros2::Both::open())),
+fn open(name: &str, place: &Path, reads: bool, through: bool) -> Result<Both, Box<dyn Error>> {
+    let name = BACKENDS.into_iter().find(|known| *known == name).ok_or("no such backend")?;
+    let bare = bare::open(name, place, reads)?.ok_or("no such middleware")?;
+    let ours = match through && name != "shm" {
+        true => Ours::Through(gateway::Through::open(name, place, reads)),
+        false => Ours::Direct(ours::open(name, place)),
     };
-    if through { Box::new(gateway::Through::open(name, place, reads, both)) } else { both }
+    Ok(Both { bare, ours })
 }
 
 fn read(name: &str, place: &Path, through: bool) -> Result<(), Box<dyn Error>> {
-    let backend = open(name, place, true, through);
+    let both = open(name, place, true, through)?;
     serve(|bytes| {
-        let [array, sequence] = ports::readers(backend.ours(), bytes);
-        vec![backend.reader(bytes), array, sequence]
+        let [array, sequence] = ports::readers(both.ours(), bytes);
+        Ok(vec![both.bare.reader(bytes)?, array, sequence])
     })?;
     Ok(())
 }
 
 fn measure(name: &str, rounds: usize, period: u64, through: bool) -> Result<(), Box<dyn Error>> {
     let place = tempfile::tempdir()?;
-    let backend = open(name, place.path(), false, through);
+    let both = open(name, place.path(), false, through)?;
     let at = place.path().display().to_string();
     let way = if through { THROUGH } else { "" };
     let mut reader = Reader::start(&[READER, name, &at, way])?;
     for bytes in SIZES {
         reader.open(bytes)?;
-        let [array, sequence] = ports::writers(backend.ours(), bytes);
-        let mut ends = [backend.writer(bytes), array, sequence];
-        let figures = reader.measure(&mut ends, rounds, period)?;
+        let [array, sequence] = ports::writers(both.ours(), bytes);
+        let mut ends = [both.bare.writer(bytes)?, array, sequence];
+        let measured = reader.measure(&mut ends, rounds, period, || true)?;
+        let figures: Vec<_> =
+            measured.into_iter().filter_map(|one| Figures::of(one.durations)).collect();
         let [bare, array, sequence] = figures[..] else { return Err("three ways".into()) };
         let more = |ours: Figures| {
             format!("{:+.1} {:>5.2}x", (ours.p50 - bare.p50) / 1000.0, ours.p50 / bare.p50)
@@ -82,7 +95,7 @@ fn measure(name: &str, rounds: usize, period: u64, through: bool) -> Result<(), 
             more(sequence),
         );
     }
-    drop(backend);
+    drop(both);
     reader.finish()?;
     Ok(())
 }

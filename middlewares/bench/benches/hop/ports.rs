@@ -1,7 +1,7 @@
 //! The ends of ports, as codels use them through the runtime.
 
-use genom_bench::octets;
 use genom_bench::pair::{Receive, Send};
+use genom_bench::{FloorError, octets};
 use genom_middleware::{Address, Middleware, Policy, PortSpec, Publisher, Reading, Subscription};
 use genom_types::Record;
 
@@ -10,14 +10,15 @@ struct Out(Box<dyn Publisher>, Record);
 struct In(Box<dyn Subscription>, Record);
 
 impl Send for Out {
-    fn send(&mut self) {
+    fn send(&mut self) -> Result<(), FloorError> {
         self.0.publish(&self.1).unwrap();
+        Ok(())
     }
 }
 
 impl Receive for In {
-    fn arrived(&mut self) -> bool {
-        self.0.read(&mut self.1) == Ok(Reading::New)
+    fn arrived(&mut self) -> Result<bool, FloorError> {
+        Ok(self.0.read(&mut self.1) == Ok(Reading::New))
     }
 }
 

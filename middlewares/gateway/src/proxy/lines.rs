@@ -76,7 +76,7 @@ pub(crate) struct Inbox {
 impl Inbox {
     pub(super) fn new(keeping: Keeping, room: usize) -> Self {
         Self {
-            mailbox: Mailbox::new(keeping.depth, room, keeping.full),
+            mailbox: Mailbox::new(keeping.depth, room, keeping.full).dated(),
             counts: keeping.counts,
             undecodable: AtomicU64::new(0),
             lost: Lost::default(),

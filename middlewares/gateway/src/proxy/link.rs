@@ -10,6 +10,7 @@ use std::time::Duration;
 
 use super::book::Shared;
 use crate::channel::{PATIENCE, lock};
+use crate::door::knock;
 use crate::wire::{self, Frame, Frames};
 use crate::words::{About, Down, PROTOCOL, Up};
 
@@ -94,15 +95,15 @@ impl Shared {
     }
 
     fn connect(&self) -> Result<(UnixStream, Frames, About), NoWay> {
-        let socket = self.reach.socket(self.name);
-        let stream = match UnixStream::connect(&socket) {
+        let door = self.reach.door(self.name);
+        let stream = match knock(&door) {
             Ok(stream) => stream,
             Err(_) => {
                 self.rings.store(true, Ordering::SeqCst);
                 let rung = self.ring_for_one();
                 self.rings.store(false, Ordering::SeqCst);
                 rung?;
-                UnixStream::connect(&socket)?
+                knock(&door)?
             }
         };
         self.waits_on(&stream)?;
@@ -133,7 +134,7 @@ impl Shared {
             why: format!("no daemon starts a gateway: {}: {error}", bell.display()),
             refused: false,
         };
-        let mut stream = UnixStream::connect(&bell).map_err(unreachable)?;
+        let mut stream = knock(&bell).map_err(unreachable)?;
         self.waits_on(&stream)?;
         stream.write_all(format!("{}\n", self.name).as_bytes())?;
         let mut why = String::new();

@@ -144,6 +144,10 @@ impl Subscription for ProxySubscription {
         self.inbox.told.set(told).is_ok()
     }
 
+    fn arrived(&self) -> Option<u64> {
+        self.inbox.mailbox.put_at()
+    }
+
     fn dropped(&self) -> u64 {
         self.inbox.lost()
     }

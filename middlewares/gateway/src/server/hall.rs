@@ -1,9 +1,7 @@
 //! The socket of a gateway, and those that are connected.
 
-use std::fs::{self, Permissions};
 use std::io;
-use std::os::unix::fs::PermissionsExt as _;
-use std::os::unix::net::{UnixListener, UnixStream};
+use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
@@ -14,6 +12,7 @@ use rustix::event::{PollFd, PollFlags, poll};
 
 use super::talk;
 use crate::channel::lock;
+use crate::door::Door;
 
 /// Connections at once: one of each process that uses the gateway.
 const GUESTS: usize = 1024;
@@ -52,30 +51,19 @@ struct Guests {
 }
 
 impl Server {
-    /// Listens on a socket that only this user can open.
+    /// Opens a door at which only this user can knock.
     ///
     /// # Errors
     /// An error of the system.
     pub fn listen(path: &Path, middleware: Arc<dyn Middleware>) -> io::Result<Listening> {
-        // Whoever listened there before has ended: the daemon starts one gateway at a time.
-        if let Err(error) = fs::remove_file(path)
-            && error.kind() != io::ErrorKind::NotFound
-        {
-            return Err(error);
-        }
-        // Nobody connects before it has its mode: it gets its name last.
-        let aside = path.with_extension("new");
-        let _ = fs::remove_file(&aside);
-        let listener = UnixListener::bind(&aside)?;
-        fs::set_permissions(&aside, Permissions::from_mode(0o600))?;
-        fs::rename(&aside, path)?;
+        // Whoever was behind it before has ended: the daemon starts one gateway at a time.
+        let door = Door::open(path)?;
         let hall = Arc::new(Hall { guests: Mutex::default(), changed: Condvar::new() });
         let own = Arc::clone(&hall);
         let (leave, left) = UnixStream::pair()?;
-        listener.set_nonblocking(true)?;
         let accepting = thread::Builder::new()
             .name("gateway".to_owned())
-            .spawn(move || own.receive(&listener, &left, &middleware))?;
+            .spawn(move || own.receive(&door, &left, &middleware))?;
         Ok(Listening {
             hall,
             path: path.to_owned(),
@@ -133,7 +121,6 @@ impl Drop for Listening {
             // A panic of the thread has been reported already.
             let _ = accepting.join();
         }
-        let _ = fs::remove_file(&self.path);
         let mut guests = lock(&self.hall.guests);
         for (_, stream) in &guests.streams {
             let _ = stream.shutdown(std::net::Shutdown::Both);
@@ -148,15 +135,10 @@ impl Drop for Listening {
 }
 
 impl Hall {
-    fn receive(
-        self: &Arc<Self>,
-        listener: &UnixListener,
-        left: &UnixStream,
-        middleware: &Arc<dyn Middleware>,
-    ) {
+    fn receive(self: &Arc<Self>, door: &Door, left: &UnixStream, middleware: &Arc<dyn Middleware>) {
         loop {
             let (wanted, over) =
-                (PollFd::new(listener, PollFlags::IN), PollFd::new(left, PollFlags::IN));
+                (PollFd::new(door, PollFlags::IN), PollFd::new(left, PollFlags::IN));
             let mut both = [wanted, over];
             if poll(&mut both, None).is_err() {
                 continue;
@@ -164,9 +146,12 @@ impl Hall {
             if !both[1].revents().is_empty() {
                 return;
             }
-            match listener.accept().and_then(|(stream, _)| self.enter(stream, middleware)) {
+            match door.next().and_then(|stream| self.enter(stream, middleware)) {
                 Ok(()) => {}
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
+                Err(error) if error.kind() == io::ErrorKind::InvalidData => {
+                    tracing::warn!("refused: {error}");
+                }
                 Err(error) => {
                     tracing::warn!("a process does not get into the gateway: {error}");
                     // Without descriptors, accepting fails until one is closed.
@@ -181,7 +166,6 @@ impl Hall {
         stream: UnixStream,
         middleware: &Arc<dyn Middleware>,
     ) -> io::Result<()> {
-        stream.set_nonblocking(false)?;
         let mut guests = lock(&self.guests);
         if guests.streams.len() >= GUESTS {
             return Err(io::Error::other(format!("{GUESTS} are connected already")));

@@ -92,9 +92,9 @@ impl House {
 
     /// Starts the gateway of this number.
     pub(crate) fn gateway(&self, number: usize) -> Listening {
-        let socket = self.reach(number).socket(self.name());
-        fs::create_dir_all(socket.parent().expect("a directory")).expect("a directory");
-        Server::listen(&socket, self.direct()).expect("a gateway")
+        let door = self.reach(number).door(self.name());
+        fs::create_dir_all(door.parent().expect("a directory")).expect("a directory");
+        Server::listen(&door, self.direct()).expect("a gateway")
     }
 
     /// Opens the middleware of the gateway of this number.

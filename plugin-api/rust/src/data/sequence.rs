@@ -210,6 +210,33 @@ impl<T, const N: usize> BoundedSequence<T, N> {
         }
     }
 
+    /// Makes the sequence `length` elements long; those that are added are copies of `value`.
+    ///
+    /// # Errors
+    /// Returns `length` if it is more than N; the sequence is as before.
+    ///
+    /// ```
+    /// use genom::BoundedSequence;
+    ///
+    /// let mut row = BoundedSequence::<u8, 4>::default();
+    /// assert_eq!(row.resize(3, 7), Ok(()));
+    /// assert_eq!(*row, [7, 7, 7]);
+    /// assert_eq!(row.resize(5, 7), Err(5));
+    /// ```
+    pub fn resize(&mut self, length: usize, value: T) -> Result<(), usize>
+    where
+        T: Copy,
+    {
+        let before = self.len();
+        let Ok(count) = u32::try_from(length) else { return Err(length) };
+        let Some(elements) = self.buffer.get_mut(..length) else { return Err(length) };
+        if let Some(added) = elements.get_mut(before..) {
+            added.fill(value);
+        }
+        self.length = count;
+        Ok(())
+    }
+
     /// Removes all elements.
     pub fn clear(&mut self) {
         self.length = 0;

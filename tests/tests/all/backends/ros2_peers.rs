@@ -6,7 +6,7 @@
 
 use genom_components::peer::Peer;
 use genom_components::ros2;
-use genom_tests::{Daemon, Home, component, path, repository};
+use genom_tests::{Daemon, Home, component, path, repository, until};
 use serde_json::{Value, json};
 
 /// The demo on ROS 2, in a namespace of its own, and a ROS node.
@@ -113,4 +113,19 @@ fn a_ros_node_sends_the_demo_goals_and_gives_them_up() {
     let refused = peer.ask(&result);
     assert_eq!(refused["status"], "ABORTED");
     assert_eq!(refused["result"]["genom_exception"], "::demo::OUT_OF_RANGE");
+}
+
+/// `#pragma masquerade ros2` of `components/images`.
+#[test]
+fn a_ros_node_finds_the_images_of_the_camera_as_images_of_ros() {
+    let home = Home::new();
+    let memory = home.memory();
+    let name = format!("/{}/camera/left", memory.prefix().trim_end_matches('_'));
+    let mut node = ros2::node(memory.domain(), None).unwrap();
+    let camera = component("camera");
+    let _daemon = home.start(&["--backend", "ros2", path(&camera.library)]);
+    let mut peer = Peer::start(&mut node);
+    until("the topic is listed", || {
+        peer.ask(&json!(["topics"]))[&name] == json!(["sensor_msgs/msg/Image"])
+    });
 }

@@ -33,7 +33,7 @@ fn a_cell_that_ended_between_two_daemons_is_started_with_what_it_held() {
     daemon.ctl(&["call", "demo", "set_speed", "velocity=2"]).expect_code(0);
     let pid = cell(&daemon, "demo")["pid"].to_string();
     let home = daemon.abandon();
-    std::process::Command::new("kill").args(["-s", "KILL", &pid]).status().unwrap();
+    genom_tests::signal(&pid, "KILL");
     until("it is gone", || !std::path::Path::new(&format!("/proc/{pid}/exe")).exists());
     let daemon = home.start(&[]);
     assert_ne!(cell(&daemon, "demo")["pid"].to_string(), pid);

@@ -4,6 +4,10 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 
 use genom_tests::{Daemon, Home, component, request, until};
+use minidump::{
+    Minidump, MinidumpException, MinidumpModuleList, MinidumpSystemInfo, MinidumpThreadList,
+    Module as _,
+};
 use serde_json::{Value, json};
 
 use super::{cell, load, signal};
@@ -60,6 +64,39 @@ fn a_report_names_signal_address_codel_activity_and_function() {
     // Where the signal hit comes first.
     let first = fault["frames"][0]["function"].as_str().unwrap();
     assert!(first.starts_with("crashes_segfault+"), "{fault:#}");
+}
+
+#[test]
+fn the_report_of_a_crash_takes_no_memory_of_the_daemon_for_symbols() {
+    let often = "[cells]\nrestart_most = 1000\nrestart_delay = 0.0\nrestart_factor = 1.0\n";
+    let daemon = Home::new().configured(often).start(&[]);
+    let mut events = daemon.events();
+    load(&daemon, "crashes", &["--isolated"]);
+    let mut crash = || {
+        until("it is back", || daemon.ctl(&["call", "crashes", "segfault"]).code == Some(1));
+        let told = events.wait_for(|e| e["event"] == "cell_crashed");
+        daemon.json(&["crashes", told["report"].as_str().unwrap()])
+    };
+    let most = |process: u32| {
+        let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap();
+        let line = status.lines().find(|line| line.starts_with("VmHWM:")).unwrap();
+        line.split_whitespace().nth(1).unwrap().parse::<u64>().unwrap()
+    };
+    let before = most(daemon.process().id());
+    // The symbols of the daemon's own program, which called the codel, are read for each.
+    let program = genom_tests::program("genomd");
+    let report = crash();
+    let frames = report["fault"]["frames"].as_array().unwrap();
+    let named = |frame: &&Value| {
+        frame["file"] == program.to_str().unwrap() && frame["function"].is_string()
+    };
+    assert!(frames.iter().any(|frame| named(&frame)), "{report:#}");
+    for _ in 0..5 {
+        crash();
+    }
+    let grown = most(daemon.process().id()) - before;
+    let of_program = std::fs::metadata(&program).unwrap().len() / 1024;
+    assert!(grown < of_program / 40, "{grown} KiB more, for a program of {of_program} KiB");
 }
 
 #[test]
@@ -275,10 +312,42 @@ fn a_minidump_is_in_the_report_where_it_is_asked_for() {
     let name = report["fault"]["thread"].as_str().unwrap().split_once(' ').unwrap().1;
     let wide: Vec<u8> = name.encode_utf16().flat_map(u16::to_le_bytes).collect();
     assert!(bytes.windows(wide.len()).any(|found| found == wide), "{name}");
+    assert_readable(&bytes, &report);
     // It comes back all the same, and one that is killed leaves none.
     until("it is back", || daemon.ctl(&["info", "broken"]).code == Some(0));
     signal(&daemon, "arm", "KILL");
     let told = events.wait_for(|e| e["event"] == "cell_crashed");
     let report = daemon.json(&["crashes", told["report"].as_str().unwrap()]);
     assert_eq!(report["minidump"], Value::Null);
+}
+
+/// Reads a minidump as others do: the registers of the thread that crashed, the place of the crash on
+/// its stack, and the library of the codel by its build id.
+#[track_caller]
+fn assert_readable(bytes: &[u8], report: &Value) {
+    let dump = Minidump::read(bytes).unwrap();
+    let exception = dump.get_stream::<MinidumpException<'_>>().unwrap();
+    let thread = exception.get_crashing_thread_id();
+    let told = report["fault"]["thread"].as_str().unwrap();
+    assert!(told.starts_with(&format!("{thread} ")), "{thread} is not {told}");
+    let threads = dump.get_stream::<MinidumpThreadList<'_>>().unwrap();
+    assert!(threads.threads.len() > 1);
+    let (crashed, system) = (threads.get_thread(thread), dump.get_stream::<MinidumpSystemInfo>());
+    let crashed = crashed.unwrap();
+    let registers = crashed.context(&system.unwrap(), None).unwrap();
+    let memory = dump.get_memory().unwrap_or_default();
+    let stack = crashed.stack_memory(&memory).unwrap();
+    let (low, at) = (stack.base_address(), registers.get_stack_pointer());
+    assert!((low..low + stack.bytes().len() as u64).contains(&at), "{at:#x}");
+    let modules = dump.get_stream::<MinidumpModuleList>().unwrap();
+    assert!(modules.module_at_address(registers.get_instruction_pointer()).is_some());
+    // The kernel put it there when it called the handler of the signal.
+    let pc = report["fault"]["frames"][0]["address"].as_str().unwrap();
+    let pc = u64::from_str_radix(pc.strip_prefix("0x").unwrap(), 16).unwrap();
+    let words = stack.bytes().chunks_exact(8);
+    assert!(words.into_iter().any(|word| word == pc.to_le_bytes()), "{pc:#x}");
+    let library = modules.module_at_address(pc).expect("the library of the codel");
+    assert!(library.code_file().ends_with("crashes.so"), "{}", library.code_file());
+    let id = library.code_identifier().map(|id| id.as_str().to_owned());
+    assert_eq!(id.as_deref(), report["components"][0]["build_id"].as_str());
 }

@@ -1,8 +1,8 @@
 //! What a daemon says of itself and of its cells together: recordings and metrics.
 
-use genom_tests::Daemon;
+use genom_tests::{Daemon, Home, until};
 
-use super::load;
+use super::{load, signal};
 use crate::control_plane::metrics::metrics;
 
 #[test]
@@ -55,6 +55,43 @@ fn a_recording_of_one_component_in_a_cell_has_nothing_of_others() {
     assert!(!topics.contains("/demo/position"), "{topics:?}");
     let refused = daemon.ctl(&["record", "far/nothing", "--force", "-o", genom_tests::path(&file)]);
     refused.expect_code(1).expect_err("far has no port `nothing`");
+}
+
+#[test]
+fn a_recording_goes_on_with_the_next_process_of_a_cell() {
+    let at_once = "[cells]\nrestart_delay = 0.0\n";
+    let daemon = Home::new().configured(at_once).start(&["--backend", "local"]);
+    load(&daemon, "demo", &["--name", "far", "--cell", "arm"]);
+    let file = daemon.home().path().join("far.mcap");
+    let recording = daemon.spawn(&["record", "far", "-o", genom_tests::path(&file)]);
+    recording.error_line_where(|line| line.contains("recording to"));
+    daemon.ctl(&["call", "far", "goto", "goal=0.01"]).expect_code(0);
+    signal(&daemon, "arm", "KILL");
+    until("the recording goes on", || {
+        daemon.ctl(&["logs"]).out.contains("a recording goes on with the next process of cell arm")
+    });
+    daemon.ctl(&["call", "far", "goto", "goal=0.02"]).expect_code(0);
+    recording.signal("INT");
+    recording.finish().expect_code(0);
+    let mapped = std::fs::read(&file).unwrap();
+    let mut calls = Vec::new();
+    let mut numbers = Vec::new();
+    for message in mcap::MessageStream::new(&mapped).unwrap() {
+        let message = message.unwrap();
+        match message.channel.topic.as_str() {
+            "/genom/calls" => {
+                let call: serde_json::Value = serde_json::from_slice(&message.data).unwrap();
+                calls.extend(call["inputs"]["goal"].as_f64());
+            }
+            "/far/position" => numbers.push(message.sequence),
+            _ => {}
+        }
+    }
+    calls.dedup();
+    assert_eq!(calls, [0.01, 0.02]);
+    // One channel of the port, whichever process wrote.
+    let wanted: Vec<u32> = (0..numbers.len() as u32).collect();
+    assert!(numbers.len() > 2 && numbers == wanted, "{numbers:?}");
 }
 
 #[test]

@@ -41,9 +41,8 @@ fn cell(daemon: &Daemon, name: &str) -> Value {
 /// Sends a signal to the process of a cell.
 #[track_caller]
 pub(crate) fn signal(daemon: &Daemon, name: &str, signal: &str) {
-    let pid = cell(daemon, name)["pid"].as_u64().expect("a process").to_string();
-    let sent = std::process::Command::new("kill").args(["-s", signal, &pid]).status();
-    assert!(sent.expect("kill runs").success());
+    let pid = &cell(daemon, name)["pid"];
+    assert!(genom_tests::signal(pid, signal), "there is no process {pid}");
 }
 
 /// All files that belong to cells.

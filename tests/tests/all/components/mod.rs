@@ -11,3 +11,4 @@ mod papers;
 mod spins;
 mod table;
 mod trials;
+mod vision;

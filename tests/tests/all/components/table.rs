@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use genom_tests::faults::{Fault, Outcome};
-use genom_tests::{Daemon, Home, component, path};
+use genom_tests::{Daemon, Home, component, path, signal};
 
 /// Whether a daemon has mapped its private copy of a component's library.
 fn has_mapped(daemon: &Daemon, component: &str) -> bool {
@@ -29,7 +29,7 @@ fn next_starts(home: Home) {
 /// Ends a child process that a codel forked.
 fn end_child(said: &str) {
     if let Some(pid) = said.trim().strip_prefix("pid = ") {
-        let _ = Command::new("kill").args(["-s", "KILL", pid]).status();
+        signal(pid, "KILL");
     }
 }
 

@@ -1,7 +1,9 @@
 //! Deployment files.
 
 mod applied;
+mod compared;
 mod configs;
 mod files;
+mod pipeline;
 mod robot;
 mod roll_back;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use genom_tests::{Home, component, path, until};
 
-use super::{GATEWAYS, Pair, gateway};
+use super::{Pair, gateway};
 
 /// The program of a process, as long as it lives.
 fn program(pid: &str) -> PathBuf {
@@ -35,7 +35,7 @@ fn cells_reach_the_network_without_their_daemon_and_the_next_one_takes_the_gatew
 #[test]
 fn a_gateway_ends_when_the_only_process_that_used_it_was_killed() {
     let demo = component("demo").library;
-    let home = Home::new().configured(GATEWAYS);
+    let home = Home::new();
     let daemon = home.start(&["--backend", "zenoh", path(&demo)]);
     let pid = gateway(&daemon, "gateway-zenoh")["pid"].to_string();
     let home = daemon.abandon();

@@ -2,7 +2,7 @@
 
 use genom_tests::{Home, component, path, until};
 
-use super::{GATEWAYS, Pair, gateway, ticks};
+use super::{NONE, Pair, gateway, ticks};
 
 fn comes_back(backend: &str) {
     let pair = Pair::new(backend, "", &[]);
@@ -66,6 +66,21 @@ fn a_gateway_that_stops_answering_is_started_again() {
 }
 
 #[test]
+fn a_gateway_comes_back_soon_where_cells_wait_for_an_hour() {
+    let an_hour = "[cells]\nrestart_delay = 3600.0\nrestart_delay_max = 3600.0\nrestart_most = 2\n";
+    let pair = Pair::new("zenoh", an_hour, &[]);
+    pair.moves();
+    // More often than a cell would start again.
+    for _ in 0..4 {
+        let mut events = pair.near.events();
+        pair.signal("KILL");
+        events.wait_for(|event| event["event"] == "cell_runs" && event["cell"] == pair.gateway);
+        pair.flows();
+    }
+    assert_eq!(gateway(&pair.near, &pair.gateway)["starts"], 5);
+}
+
+#[test]
 fn why_a_middleware_cannot_be_opened_is_told_as_without_a_gateway() {
     let wrong = "[backends.zenoh]\nlisten = [\"tcp/192.0.2.1:1\"]\n";
     let told = |gateways: &str| {
@@ -77,14 +92,14 @@ fn why_a_middleware_cannot_be_opened_is_told_as_without_a_gateway() {
         let line = refused.err.lines().rfind(|line| line.starts_with("error: ")).map(str::to_owned);
         line.expect("an error")
     };
-    let (with, without) = (told(GATEWAYS), told(""));
+    let (with, without) = (told(""), told(NONE));
     assert!(with.starts_with("error: backend zenoh cannot be opened: "), "{with}");
     assert_eq!(with, without);
 }
 
 #[test]
 fn a_name_of_a_gateway_is_no_name_of_a_cell() {
-    let daemon = Home::new().configured(GATEWAYS).start(&[]);
+    let daemon = Home::new().start(&[]);
     let demo = component("demo").library;
     let refused = daemon.ctl(&["load", path(&demo), "--cell", "gateway-zenoh"]);
     assert!(refused.err.contains("`gateway-zenoh` is a name of a gateway"), "{}", refused.err);

@@ -1,15 +1,17 @@
 //! Middlewares in processes of their own: what ends them ends no component.
 
 mod adopted;
+mod besieged;
 mod ended;
+mod sandboxed;
 
 use std::sync::Arc;
 
 use genom_tests::{Daemon, Home, Memory, component, path, until};
 use serde_json::Value;
 
-/// The configuration of a daemon with gateways.
-pub(super) const GATEWAYS: &str = "[gateways]\nof = [\"zenoh\", \"ros2\"]\n";
+/// The configuration of a daemon without gateways.
+pub(super) const NONE: &str = "[gateways]\nof = []\n";
 
 /// A daemon that reaches the middleware through a gateway, and a peer that does not.
 struct Pair {
@@ -23,12 +25,13 @@ impl Pair {
     /// the configuration, `of_demo` to the command that loads the demo.
     fn new(backend: &str, more: &str, of_demo: &[&str]) -> Self {
         let memory = Arc::new(Memory::new());
-        let near = Home::with(&memory).configured(&format!("{GATEWAYS}{more}"));
+        let near = Home::with(&memory).configured(more);
         let near = near.start(&["--backend", backend]);
         let demo = component("demo").library;
         near.ctl(&[&["load", path(&demo)], of_demo].concat()).expect_code(0);
         let mission = component("mission").library;
-        let far = Home::with(&memory).start(&["--backend", backend, path(&mission)]);
+        let far =
+            Home::with(&memory).configured(NONE).start(&["--backend", backend, path(&mission)]);
         far.ctl(&["connect", "mission/position", "demo/position"]).expect_code(0);
         far.ctl(&["connect", "mission/goto", "demo/goto"]).expect_code(0);
         near.ctl(&["connect", "demo/parameter", "mission/gain"]).expect_code(0);
@@ -50,9 +53,8 @@ impl Pair {
 
     /// Sends a signal to the process of the gateway.
     fn signal(&self, signal: &str) {
-        let pid = gateway(&self.near, &self.gateway)["pid"].to_string();
-        let sent = std::process::Command::new("kill").args(["-s", signal, &pid]).status();
-        assert!(sent.expect("kill runs").success());
+        let pid = &gateway(&self.near, &self.gateway)["pid"];
+        assert!(genom_tests::signal(pid, signal), "there is no process {pid}");
     }
 }
 

@@ -1,5 +1,6 @@
 //! Many components in one daemon.
 
+use std::path::Path;
 use std::time::Duration;
 
 use genom_tests::{Footprint, Home, Many};
@@ -26,7 +27,8 @@ fn on_shm(components: usize, chained: bool) -> (Footprint, usize) {
     daemon.ctl(&["start", "--wait", &last, activity, "steps=3"]).expect_code(0);
     let held = Footprint::of(daemon.process().id());
     let segments = daemon.home().memory().files();
-    let segments = segments.iter().filter(|file| file.starts_with("/dev/shm")).count();
+    let segments =
+        segments.iter().filter(|file| file.parent() == Some(Path::new("/dev/shm"))).count();
     let (_, home) = daemon.stop("TERM");
     assert_eq!(home.memory().files(), Vec::<std::path::PathBuf>::new());
     (held, segments)

@@ -1,5 +1,6 @@
 //! What many reloads leave behind: nothing.
 
+use genom_tests::reloads::reloads;
 use genom_tests::{Daemon, until};
 
 use super::{Author, count, held, mapped, text};
@@ -31,4 +32,15 @@ fn after_many_reloads_nothing_has_grown_and_all_is_as_without() {
     until("nothing is held that was not before", || held(pid) <= before);
     let running = daemon.json(&["activities", "edit"])["activities"][0].clone();
     assert_eq!(running["state"], "main");
+}
+
+#[test]
+fn under_load_ids_ports_and_activities_are_as_without_reloads() {
+    for (in_cell, described) in [(false, false), (true, false), (false, true), (true, true)] {
+        let did = reloads(30, in_cell, described);
+        let [before, after] = [did.before, did.after].map(|held| held.footprint);
+        assert!(after.descriptors <= before.descriptors + 4, "{did:?}");
+        assert!(after.threads <= before.threads + 4, "{did:?}");
+        assert!(did.after.maps <= did.before.maps + 16, "{did:?}");
+    }
 }

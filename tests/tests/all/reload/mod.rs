@@ -3,7 +3,9 @@
 mod described;
 mod growth;
 mod kept;
+mod native;
 mod refused;
+mod ruled;
 mod trial;
 mod watched;
 

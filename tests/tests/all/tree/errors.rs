@@ -8,8 +8,18 @@ use genom_tests::{files, repository};
 
 /// Files in which functions may return an error as text, with their number and the reason.
 const TEXTS: &[(&str, usize, &str)] = &[
+    ("daemon/comparison/src/floor.rs", 1, "what another program printed, for the report"),
+    ("daemon/comparison/src/report/runs.rs", 1, "goes into the report as it is"),
+    ("daemon/genomctl/src/apart.rs", 2, "goes into a report as it is"),
+    ("daemon/genomctl/src/bench/mod.rs", 3, "goes into the report as it is"),
     ("daemon/genomctl/src/times.rs", 1, "a parser of clap, which prints the text"),
-    ("daemon/genomctl/src/verbs/step.rs", 1, "a parser of clap, which prints the text"),
+    ("daemon/genomctl/src/verbs/test.rs", 1, "goes into the report as it is"),
+    (
+        "daemon/genomctl/src/verbs/verify/given.rs",
+        4,
+        "parsers of clap, which prints the texts; a verdict",
+    ),
+    ("daemon/genomctl/src/verbs/model.rs", 1, "a parser of clap, which prints the text"),
 ];
 
 #[test]

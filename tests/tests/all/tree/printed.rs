@@ -33,6 +33,25 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("openssl", "middlewares/zenoh/tests/tls.rs makes its certificates without it"),
     ("printf 'subjectAltName", "goes with openssl"),
     ("chmod 600 machine.key", "goes with openssl"),
+    ("packaging/", "packaging/deb/check and packaging/wheel/check, which `.ci/run` calls"),
+    ("sudo apt install ./genomd", "packaging/deb/check, which `.ci/run` calls"),
+    ("sudo systemctl ", "wants systemd"),
+    ("sudo -u genomd genomctl", "packaging/deb/check, which `.ci/run` calls"),
+    ("pip install ", "packaging/wheel/check, which `.ci/run` calls"),
+    ("cargo install ", "minutes"),
+    ("genomctl bench ", "minutes; tests/tests/all/deployment/compared.rs"),
+    ("genomctl sdk ", "tests/tests/all/projects/mod.rs"),
+    ("export PATH=~/.local", "tests/tests/all/projects/autotools.rs"),
+    ("autoreconf -i", "tests/tests/all/projects/autotools.rs"),
+    ("./configure --prefix", "tests/tests/all/projects/autotools.rs"),
+    ("make install", "tests/tests/all/projects/autotools.rs"),
+    ("genomd --path ~/.local axis", "tests/tests/all/projects/autotools.rs"),
+    // On a busy machine the viewer takes a second to write a file, and requests meanwhile are
+    // refused: `held_up`.
+    ("genomctl start --wait viewer sheet", "tests/tests/all/deployment/pipeline.rs"),
+    ("cd docs/editors/vscode", "tests/tests/all/editors/vscode.rs"),
+    ("npm ", "tests/tests/all/editors/vscode.rs"),
+    ("code --install-extension", "wants Visual Studio Code"),
     ("genomctl header -I idl NAME.gen", "NAME is the reader's: `fixture` of genom-tests does it"),
     ("touch acNAME.h", "NAME is the reader's"),
     ("cc -g -fPIC -shared -I plugin-api/include -I . *.c", "NAME is the reader's"),
@@ -104,7 +123,7 @@ impl Place {
         }
         let built = root.path().join("target/components");
         fs::create_dir_all(&built).unwrap();
-        for name in ["demo", "mission"] {
+        for name in ["demo", "mission", "camera", "stereo", "viewer"] {
             let made = component(name).library;
             symlink(made.parent().unwrap(), built.join(name)).unwrap();
         }

@@ -11,7 +11,7 @@ use genom_tests::{Running, program, repository};
 const ELSEWHERE: &[(&str, &str, &str)] = &[
     (
         "lsp",
-        "daemon/genomctl/tests/lsp/main.rs",
+        "tests/tests/all/editors/server.rs",
         "mistakes_are_told_when_a_text_is_opened_and_go_when_they_are_corrected",
     ),
     (
@@ -43,6 +43,28 @@ const ELSEWHERE: &[(&str, &str, &str)] = &[
         "recover",
         "tests/tests/all/control_plane/recording.rs",
         "of_a_recorder_that_was_killed_all_that_is_whole_is_replayed_and_recovered",
+    ),
+    (
+        "bench",
+        "tests/tests/all/deployment/compared.rs",
+        "a_way_that_cannot_run_is_listed_with_its_reason_and_the_others_run",
+    ),
+    ("new", "tests/tests/all/projects/new.rs", "a_new_component_builds_runs_and_passes_its_test"),
+    (
+        "add",
+        "tests/tests/all/projects/add.rs",
+        "what_is_added_to_a_component_builds_and_runs_and_what_was_written_stays",
+    ),
+    (
+        "build",
+        "tests/tests/all/projects/bare.rs",
+        "a_description_and_its_codels_become_a_library_that_runs",
+    ),
+    ("test", "tests/tests/all/scenarios/failures.rs", "programs_read_failures_as_junit"),
+    (
+        "sdk",
+        "tests/tests/all/projects/genom3.rs",
+        "an_sdk_does_not_replace_genom3_of_another_package",
     ),
     (
         "ros2-package",

@@ -14,6 +14,9 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-text", &["genom-nearest"]),
     ("genom-description", &["genom-nearest", "genom-text", "genom-types"]),
     ("genom-description-tools", &["genom-description", "genom-text", "genom-types"]),
+    ("genom-lsp", &["genom-description", "genom-description-tools", "genom-formal"]),
+    ("genom-headers", &[]),
+    ("genom-project", PROJECT),
     ("genom-middleware", &["genom-types"]),
     ("genom-kit", MIDDLEWARE),
     ("genom-conformance", MIDDLEWARE),
@@ -24,16 +27,23 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-gateway", BACKEND),
     ("genom-ros2", &["genom-kit", "genom-middleware", "genom-rosidl", "genom-types"]),
     ("genom-rosidl", &["genom-types"]),
-    ("genom-bench", MIDDLEWARE),
+    ("genom-floor", &[]),
+    ("genom-bench", &["genom-floor", "genom-types"]),
     ("genom-runtime", &["genom-description", "genom-middleware", "genom-types"]),
+    ("genom-formal", &["genom-description", "genom-runtime"]),
     ("genom-elf", &[]),
     ("genom-host", HOST),
     ("genom-blackbox", &[]),
     ("genom-recording", &["genom-protocol"]),
+    ("genom-apart", &[]),
+    ("genom-comparison", &["genom-apart", "genom-protocol"]),
+    ("genom-scenario", &["genom-apart", "genom-nearest", "genom-protocol"]),
     ("genom-ports", PORTS),
+    ("genom-bus", &["genom-ports", "genom-protocol"]),
     ("genom-registry", BACKENDS),
     ("genom-configuration", CONFIGURATION),
     ("genom-doors", &["genom-nearest", "genom-proof", "genom-protocol"]),
+    ("genom-web", &["genom-configuration", "genom-doors", "genom-proof", "genom-protocol"]),
     ("genom-supervisor", SUPERVISOR),
     ("genom-cells", CELLS),
     ("genom-limits", &["genom-configuration"]),
@@ -46,6 +56,9 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-derive", &[]),
     ("genom", &["genom-derive"]),
     ("genom-components", &[]),
+    // Components use the SDK, and the types of what they exchange.
+    ("stereo", &["genom", "images"]),
+    ("viewer", &["genom", "images"]),
     ("genom-allocations", &[]),
 ];
 /// `genom`: the table that Rust component libraries export, which the host reads.
@@ -54,6 +67,7 @@ const HOST: &[&str] = &[
     "genom-description",
     "genom-description-tools",
     "genom-elf",
+    "genom-headers",
     "genom-middleware",
     "genom-runtime",
     "genom-types",
@@ -74,13 +88,23 @@ const CELLS: &[&str] = &[
     "genom-runtime",
     "genom-supervisor",
 ];
+/// `genom`: its sources, which are installed for components in Rust.
+const PROJECT: &[&str] =
+    &["genom", "genom-description", "genom-description-tools", "genom-headers", "genom-types"];
 const GENOMCTL: &[&str] = &[
+    "genom-apart",
+    "genom-comparison",
     "genom-description",
     "genom-description-tools",
+    "genom-formal",
+    "genom-lsp",
+    "genom-project",
     "genom-proof",
     "genom-protocol",
     "genom-recording",
     "genom-rosidl",
+    "genom-runtime",
+    "genom-scenario",
     "genom-types",
 ];
 /// The only crate that knows which middlewares exist.
@@ -97,6 +121,7 @@ const CONFIGURATION: &[&str] =
     &["genom-middleware", "genom-nearest", "genom-protocol", "genom-registry", "genom-runtime"];
 const SUPERVISOR: &[&str] = &[
     "genom-blackbox",
+    "genom-bus",
     "genom-configuration",
     "genom-description",
     "genom-host",
@@ -108,8 +133,14 @@ const SUPERVISOR: &[&str] = &[
     "genom-runtime",
     "genom-types",
 ];
-const TELEMETRY: &[&str] =
-    &["genom-configuration", "genom-host", "genom-ports", "genom-protocol", "genom-supervisor"];
+const TELEMETRY: &[&str] = &[
+    "genom-configuration",
+    "genom-host",
+    "genom-nearest",
+    "genom-ports",
+    "genom-protocol",
+    "genom-supervisor",
+];
 const MIDDLEWARE: &[&str] = &["genom-middleware", "genom-types"];
 const BACKEND: &[&str] = &["genom-kit", "genom-middleware", "genom-types"];
 /// Crates at the top: they may use any other.
@@ -135,12 +166,12 @@ const FLOORS: &[(&str, &str)] = &[
     ("registry", "known backends masquerade lib"),
     (
         "configuration",
-        "error limits cells states crashes gateways pattern blackbox levels place terms offers rpc spot overrides file lib",
+        "error limits cells states crashes reload gateways pattern blackbox levels place terms offers rpc web spot overrides file lib",
     ),
     ("ports", "dates gauge key tape fan feeds tap lib"),
     (
         "supervisor",
-        "outcome flag known limits settings waiting bus reactor spans recording ties components connections \
+        "outcome known limits settings waiting bus reactor spans recording ties components connections \
          vigil supervisor loading deploy reloading lib",
     ),
     (
@@ -149,9 +180,14 @@ const FLOORS: &[(&str, &str)] = &[
          access guard serve relay lib",
     ),
     (
+        "web",
+        "secret visitor shelf links sessions site blocks inside console assets gate sign_in link live \
+         entrance lib",
+    ),
+    (
         "cells",
-        "end policy place shelf snapshots journal client crashes follow remains blackbox process bell setup cell \
-         asking cells gateway unmatched own react merge record wire thaw lib",
+        "end policy shelf theirs place snapshots journal client crashes follow remains blackbox process bell setup cell round \
+         asking cells gateway unmatched own react merge record unload wire deploy thaw lib",
     ),
     ("genomd", "cli announcements startup settings daemon rpc signals life run check main"),
 ];
@@ -175,7 +211,7 @@ fn crates_know_only_those_below() {
         if TOP.contains(&name) {
             continue;
         }
-        // Components use the SDK and nothing else.
+        // Other components use the SDK and nothing else.
         let component = relative(package.manifest_path.as_std_path()).starts_with("components/");
         let known = allowed.get(name).copied().or(component.then_some(&["genom"][..]));
         let Some(known) = known else {
@@ -364,6 +400,56 @@ fn every_crate_follows_the_workspace() {
             }
         }
     }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// crates.io takes crates that say what they are, and that need only what it has, in a version.
+#[test]
+fn crates_that_are_published_need_only_what_is_published() {
+    let read = |path: &Path| -> toml::Table { fs::read_to_string(path).unwrap().parse().unwrap() };
+    let root = read(&repository().join("Cargo.toml"));
+    let version = &root["workspace"]["package"]["version"];
+    let ours = root["workspace"]["dependencies"].as_table().unwrap();
+    let mut wrong = Vec::new();
+    let mut published = BTreeSet::new();
+    let manifests = files("toml").into_iter().filter(|path| path.ends_with("Cargo.toml"));
+    let manifests: Vec<_> = manifests.map(|path| read(&path)).collect();
+    let crates: Vec<_> = manifests.iter().filter(|it| it.contains_key("package")).collect();
+    for manifest in &crates {
+        let package = &manifest["package"];
+        if package.get("publish").and_then(toml::Value::as_bool) == Some(false) {
+            continue;
+        }
+        let name = package["name"].as_str().unwrap();
+        published.insert(name);
+        if package.get("description").is_none() || package.get("license").is_none() {
+            wrong.push(format!("{name}: description or license is missing"));
+        }
+        if let Some(entry) = ours.get(name).filter(|entry| entry.get("version") != Some(version)) {
+            wrong.push(format!("{name}: {entry} does not name version {version}"));
+        }
+    }
+    for manifest in
+        crates.iter().filter(|it| published.contains(it["package"]["name"].as_str().unwrap()))
+    {
+        for section in ["dependencies", "build-dependencies"] {
+            let needed = manifest.get(section).and_then(toml::Value::as_table);
+            let needed = needed.into_iter().flat_map(toml::Table::keys);
+            wrong.extend(
+                needed
+                    .filter(|it| {
+                        ours[*it].get("path").is_some() && !published.contains(it.as_str())
+                    })
+                    .map(|it| {
+                        format!(
+                            "{} needs {it}, which is not published",
+                            manifest["package"]["name"]
+                        )
+                    }),
+            );
+        }
+    }
+    assert!(published.contains("genomd") && published.contains("genomctl"), "{published:?}");
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 

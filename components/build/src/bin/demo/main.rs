@@ -22,7 +22,7 @@ use serde_json::{Value, json};
 use axis::{Axis, State};
 use daemon::Daemon;
 use failure::Failure;
-use genom_components::{Paths, build_all, build_programs};
+use genom_components::{Paths, Purpose, build_all, build_programs};
 
 /// Speed of the axis, m/s.
 const SPEED: f64 = 0.5;
@@ -64,7 +64,7 @@ enum Event {
 fn run(arguments: &Arguments) -> Result<(), Failure> {
     say("Building genomd, genomctl and the components of this repository");
     let paths = Paths::of_workspace()?;
-    let [genomd, genomctl] = build_programs(&paths, ["genomd", "genomctl"])?;
+    let [genomd, genomctl] = build_programs(&paths, ["genomd", "genomctl"], Purpose::Use)?;
     let components = build_all(&paths)?;
     let library = components
         .into_iter()

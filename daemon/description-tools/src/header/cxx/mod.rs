@@ -13,6 +13,7 @@ use genom_description::model::{Codel, Component, Specification};
 use genom_types::{Kind, TypeId, TypeTable};
 
 use super::error::HeaderError;
+use super::signatures::Signatures;
 use super::{constant, order};
 use guard::scoped;
 
@@ -21,6 +22,7 @@ pub(super) fn write(
     spec: &Specification,
     chosen: &[&Component],
     records: &HashSet<TypeId>,
+    signatures: Signatures,
 ) -> Result<String, HeaderError> {
     let types = &spec.types;
     refuse(types, records)?;
@@ -62,7 +64,9 @@ pub(super) fn write(
         handle::ports(&mut out, types, component);
         handle::remotes(&mut out, types, component);
     }
-    handle::codels(&mut out, types, chosen);
+    if signatures == Signatures::Written {
+        handle::codels(&mut out, types, chosen);
+    }
     let _ = writeln!(out, "#endif /* {guard} */");
     Ok(out)
 }

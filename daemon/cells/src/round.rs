@@ -1,0 +1,18 @@
+//! What the last deployment did, in all processes of a daemon.
+
+use std::sync::Arc;
+
+use genom_supervisor::deploy::Done;
+
+use crate::cell::Cell;
+
+/// What a deployment did in all processes.
+#[derive(Default)]
+pub(crate) struct Round {
+    /// What was done in this process.
+    pub(crate) own: Option<Done>,
+    /// Components that were loaded into cells, in this order.
+    pub(crate) loaded: Vec<String>,
+    /// Cells that applied their part, in this order.
+    pub(crate) applied: Vec<Arc<Cell>>,
+}

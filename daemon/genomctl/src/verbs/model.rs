@@ -1,0 +1,68 @@
+//! `genomctl model`: the model of a component for other tools. No daemon.
+
+use std::path::PathBuf;
+
+use genom_formal::{Bounds, ExportError, Format, System};
+
+use super::verify::{Described, Given, Most};
+use crate::failure::Failure;
+use crate::session::Session;
+
+/// Write what a component can do as a model for Spin, TChecker or UPPAAL, with the commands that
+/// check it as comments at its head.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+promela has the rules themselves, with clocks if all times are known; tchecker and uppaal have the \
+states that genomctl found, with clocks, and a location that is reached if one is missing. \
+docs/verify.md says what can be asked of them.")]
+pub(crate) struct Args {
+    #[command(flatten)]
+    described: Described,
+    /// The language: promela, tchecker or uppaal.
+    #[arg(long, value_parser = format)]
+    format: Format,
+    /// The file to write [default: standard output].
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    given: Given,
+    /// Requests that clients make at the same time.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    requests: usize,
+    /// Activities of one service that there are at the same time.
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    instances: usize,
+    #[command(flatten)]
+    limits: Most,
+}
+
+fn format(name: &str) -> Result<Format, String> {
+    let found = Format::ALL.into_iter().find(|format| format.name() == name);
+    found.ok_or_else(|| "the languages are promela, tchecker, uppaal".to_owned())
+}
+
+pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
+    let (plans, _) = args.described.plans()?;
+    let [plan] = &plans[..] else {
+        let message = "these files describe several components";
+        return Err(Failure::usage(message, "name one with --component"));
+    };
+    let times = args.given.times(plan)?;
+    // With clocks it is the component while it serves requests, as in `verify`.
+    let kill = times.is_err();
+    let (requests, instances) = (args.requests, args.instances);
+    let bounds = Bounds { requests, instances, kill, ..Bounds::default() };
+    let system = System::new(plan, bounds);
+    let text = system.export(args.format, times.as_ref().ok(), &args.limits.limits());
+    let text = text.map_err(|error| {
+        let message = match (&error, &times) {
+            (ExportError::NoTimes, Err(why)) => format!("{}: {why}", args.format.name()),
+            _ => error.to_string(),
+        };
+        Failure::refused("model", message)
+    })?;
+    match &args.output {
+        Some(path) => std::fs::write(path, text).map_err(|error| Failure::file(path, error)),
+        None => session.print(&text),
+    }
+}

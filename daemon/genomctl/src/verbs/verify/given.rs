@@ -1,0 +1,124 @@
+//! What the command line asks for: properties, times and limits.
+
+use std::sync::Arc;
+use std::time;
+
+use genom_formal::{Bounds, Duration, Limits, Property, System, Ticks, Times};
+use genom_runtime::Plan;
+
+use crate::failure::Failure;
+
+/// What can be asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Checked {
+    /// Whatever time codels take.
+    Untimed(Property),
+    /// Every cycle ends before the next tick.
+    Overrun,
+}
+
+/// A property by its name.
+pub(super) fn property(name: &str) -> Result<Checked, String> {
+    let untimed = Property::ALL.into_iter().find(|property| property.name() == name);
+    match untimed {
+        Some(property) => Ok(Checked::Untimed(property)),
+        None if name == "overrun" => Ok(Checked::Overrun),
+        None => {
+            let names: Vec<&str> = Property::ALL.iter().map(|property| property.name()).collect();
+            Err(format!("the properties are {}, overrun", names.join(", ")))
+        }
+    }
+}
+
+/// Times of codels.
+#[derive(Debug, clap::Args)]
+pub(in crate::verbs) struct Given {
+    /// Time that a codel takes at most, in milliseconds, or from a least to a greatest one:
+    /// demo_servo=0.2, demo_servo=0.1..0.2; may be repeated.
+    #[arg(long, value_name = "CODEL=TIME", value_parser = codel_time)]
+    wcet: Vec<(String, Duration)>,
+    /// Time that codels take at most of which it is not known otherwise, in milliseconds.
+    #[arg(long, value_name = "TIME", value_parser = most)]
+    other_wcet: Option<u64>,
+}
+
+/// Limits of the search.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(in crate::verbs) struct Most {
+    /// States to look at, at most.
+    #[arg(long, value_name = "N", default_value_t = 5_000_000)]
+    states: usize,
+    /// Memory for states, at most, in MiB.
+    #[arg(long, value_name = "MIB", default_value_t = 1024)]
+    memory: usize,
+    /// Time for each search, at most, in seconds.
+    #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = crate::times::seconds)]
+    time: time::Duration,
+}
+
+impl Most {
+    pub(in crate::verbs) fn limits(self) -> Limits {
+        Limits { states: self.states, memory: self.memory.saturating_mul(1 << 20), time: self.time }
+    }
+}
+
+/// Milliseconds as nanoseconds.
+pub(in crate::verbs) fn most(text: &str) -> Result<u64, String> {
+    let ms: f64 = text.parse().map_err(|_| "a number of milliseconds is wanted".to_owned())?;
+    let duration = time::Duration::try_from_secs_f64(ms / 1e3).map_err(|e| e.to_string())?;
+    Ok(genom_runtime::nanos(duration))
+}
+
+/// `CODEL=MOST` or `CODEL=LEAST..MOST`.
+pub(super) fn codel_time(text: &str) -> Result<(String, Duration), String> {
+    let (codel, time) = text.split_once('=').ok_or("write CODEL=TIME")?;
+    let (least, greatest) = match time.split_once("..") {
+        Some((least, greatest)) => (most(least)?, most(greatest)?),
+        None => (0, most(time)?),
+    };
+    if least > greatest {
+        return Err("the first time is longer than the second".into());
+    }
+    Ok((codel.to_owned(), Duration { least, most: Some(greatest) }))
+}
+
+impl Given {
+    /// The times of all codels; or which have no bound.
+    pub(in crate::verbs) fn times(&self, plan: &Plan) -> Result<Result<Times, String>, Failure> {
+        let component = plan.component();
+        let mut times = Times::declared(component);
+        for (codel, duration) in &self.wcet {
+            if !times.set(component, codel, *duration) {
+                let message = format!("component {} has no codel `{codel}`", component.name);
+                return Err(Failure::usage(message, "name a codel of the description"));
+            }
+        }
+        if let Some(others) = self.other_wcet {
+            times.bound_others(others);
+        }
+        let unbounded = times.unbounded(component);
+        let Some((last, first)) = unbounded.split_last() else { return Ok(Ok(times)) };
+        let names = if first.is_empty() {
+            format!("{last} has")
+        } else {
+            format!("{} and {last} have", first.join(", "))
+        };
+        let way = "declare it, or give --wcet or --other-wcet";
+        Ok(Err(format!("{names} no wcet: {way}")))
+    }
+
+    /// Looks at the ticks of the tasks; tells why not if that cannot be done.
+    pub(super) fn check(
+        &self,
+        plan: &Arc<Plan>,
+        bounds: Bounds,
+        limits: &Limits,
+    ) -> Result<Ticks, Failure> {
+        // What is measured is the component while it serves requests.
+        let system = System::new(plan, Bounds { kill: false, ..bounds });
+        Ok(match self.times(plan)? {
+            Ok(times) => Ticks::Seen(Box::new(system.check_ticks(&times, limits))),
+            Err(why) => Ticks::Unknown(why),
+        })
+    }
+}

@@ -1,0 +1,202 @@
+//! Reads the samples of an MCAP file in order of date, one chunk at a time.
+//!
+//! A file that was not completed has no index; one is then built from the readable part.
+
+pub(crate) mod error;
+pub(crate) mod walk;
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufReader, Read as _, Seek as _, SeekFrom};
+use std::path::Path;
+use std::sync::Arc;
+
+use mcap::records::{ChunkIndex, Record};
+use mcap::sans_io::indexed_reader::{IndexedReadEvent, IndexedReader, IndexedReaderOptions};
+use mcap::sans_io::summary_reader::{SummaryReadEvent, SummaryReader};
+use mcap::{Channel, McapError, Schema, Summary};
+
+use self::error::ReadError;
+use self::walk::{Extent, Part, begins_well, records, walk};
+
+/// An MCAP file being read.
+pub struct Recording {
+    file: BufReader<File>,
+    /// Size of the file: lengths in the file that exceed it are refused before memory is allocated.
+    size: u64,
+    summary: Summary,
+    reader: Option<IndexedReader>,
+    /// The chunk read last, as stored in the file.
+    chunk: Vec<u8>,
+    /// For an incomplete file: how far it can be read, and the number of samples in that part.
+    pub cut: Option<(Extent, u64)>,
+}
+
+/// A sample of the file.
+#[derive(Debug)]
+pub struct Recorded {
+    /// Number of its channel in the file.
+    pub channel: u16,
+    /// When it was taken, in nanoseconds since 1970, or of a virtual clock.
+    pub date: u64,
+    /// Its content as it was recorded.
+    pub message: Vec<u8>,
+}
+
+impl Recording {
+    /// Opens a file and reads its index, but no samples.
+    ///
+    /// # Errors
+    /// It cannot be read, or is no recording.
+    pub fn open(path: &Path) -> Result<Self, ReadError> {
+        let mut file = File::open(path)?;
+        begins_well(&mut file)?;
+        let size = file.metadata()?.len();
+        let mut file = BufReader::new(file);
+        let (summary, cut) = match summary(&mut file, size) {
+            Ok(summary) => (summary, None),
+            Err(Some(error)) => return Err(error),
+            Err(None) => {
+                let mut index = Index::default();
+                let extent = walk(path, |part| index.add(&part))?;
+                (index.summary, Some((extent, index.messages)))
+            }
+        };
+        Ok(Self { file, size, summary, reader: None, chunk: Vec::new(), cut })
+    }
+
+    /// Its channels, by number.
+    pub fn channels(&self) -> impl Iterator<Item = (u16, &Arc<Channel<'static>>)> {
+        let mut all: Vec<_> = self.summary.channels.iter().collect();
+        all.sort_by_key(|(number, _)| **number);
+        all.into_iter().map(|(number, channel)| (*number, channel))
+    }
+
+    /// Selects the topics whose samples [`next_sample`](Self::next_sample) returns, the earliest
+    /// first.
+    ///
+    /// # Errors
+    /// Its index is damaged.
+    pub fn read(&mut self, topics: Vec<String>) -> Result<(), ReadError> {
+        let options = IndexedReaderOptions::new().include_topics(topics);
+        self.reader = Some(IndexedReader::new_with_options(&self.summary, options)?);
+        Ok(())
+    }
+
+    /// The next sample; `None` at the end.
+    ///
+    /// # Errors
+    /// The file is damaged there.
+    pub fn next_sample(&mut self) -> Result<Option<Recorded>, ReadError> {
+        let Some(reader) = &mut self.reader else { return Ok(None) };
+        while let Some(event) = reader.next_event() {
+            let (offset, length) = match event? {
+                IndexedReadEvent::Message { header, data } => {
+                    let (channel, date) = (header.channel_id, header.log_time);
+                    return Ok(Some(Recorded { channel, date, message: data.to_vec() }));
+                }
+                IndexedReadEvent::ReadChunkRequest { offset, length } => (offset, length),
+            };
+            within(self.size, offset, length)?;
+            self.file.seek(SeekFrom::Start(offset))?;
+            self.chunk.resize(length, 0);
+            self.file.read_exact(&mut self.chunk)?;
+            reader.insert_chunk_record_data(offset, &self.chunk)?;
+        }
+        Ok(None)
+    }
+}
+
+/// Reads the index at the end of a file; `Err(None)` if there is none.
+fn summary(file: &mut BufReader<File>, size: u64) -> Result<Summary, Option<ReadError>> {
+    let failed = |error: std::io::Error| Some(ReadError::from(error));
+    let mut reader = SummaryReader::new();
+    while let Some(event) = reader.next_event() {
+        match event {
+            Ok(SummaryReadEvent::ReadRequest(need)) => {
+                within(size, 0, need).map_err(Some)?;
+                let read = file.read(reader.insert(need)).map_err(failed)?;
+                reader.notify_read(read);
+            }
+            Ok(SummaryReadEvent::SeekRequest(to)) => {
+                let Ok(at) = file.seek(to) else { return Err(None) };
+                reader.notify_seeked(at);
+            }
+            // Errors that mean the end of the file is missing.
+            Err(McapError::BadMagic | McapError::BadFooter | McapError::UnexpectedEof) => {
+                return Err(None);
+            }
+            Err(error) => return Err(Some(error.into())),
+        }
+    }
+    reader.finish().ok_or(None)
+}
+
+/// An index being built.
+#[derive(Default)]
+struct Index {
+    summary: Summary,
+    messages: u64,
+}
+
+impl Index {
+    fn add(&mut self, part: &Part<'_>) -> Result<(), ReadError> {
+        match part {
+            Part::Record(record) => self.describe(record),
+            Part::Chunk { start, records: bytes } => {
+                let (mut first, mut last) = (u64::MAX, 0);
+                for record in records(bytes) {
+                    if let Record::Message { header, .. } = &record {
+                        (first, last) = (first.min(header.log_time), last.max(header.log_time));
+                        self.messages += 1;
+                    }
+                    self.describe(&record);
+                }
+                let size = bytes.len() as u64;
+                self.summary.chunk_indexes.push(ChunkIndex {
+                    message_start_time: first.min(last),
+                    message_end_time: last,
+                    chunk_start_offset: *start,
+                    chunk_length: size,
+                    message_index_offsets: BTreeMap::new(),
+                    message_index_length: 0,
+                    compression: String::new(),
+                    compressed_size: size,
+                    uncompressed_size: size,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn describe(&mut self, record: &Record<'_>) {
+        match record {
+            Record::Schema { header, data } => {
+                let schema = Schema {
+                    id: header.id,
+                    name: header.name.clone(),
+                    encoding: header.encoding.clone(),
+                    data: Cow::Owned(data.to_vec()),
+                };
+                self.summary.schemas.insert(header.id, Arc::new(schema));
+            }
+            Record::Channel(channel) => {
+                let known = Channel {
+                    id: channel.id,
+                    topic: channel.topic.clone(),
+                    schema: self.summary.schemas.get(&channel.schema_id).cloned(),
+                    message_encoding: channel.message_encoding.clone(),
+                    metadata: channel.metadata.clone(),
+                };
+                self.summary.channels.insert(channel.id, Arc::new(known));
+            }
+            _ => {}
+        }
+    }
+}
+
+fn within(size: u64, offset: u64, length: usize) -> Result<(), ReadError> {
+    let end = u64::try_from(length).ok().and_then(|length| offset.checked_add(length));
+    if end.is_some_and(|end| end <= size) { Ok(()) } else { Err(ReadError::Beyond) }
+}

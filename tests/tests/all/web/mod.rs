@@ -1,0 +1,8 @@
+//! The web console: who may come in, what its pages show, and what they do.
+
+mod access;
+mod graph;
+mod pages;
+mod sessions;
+mod stream;
+mod visitor;
