@@ -10,7 +10,7 @@ use crate::{
     Fired, Frozen, GoesOn, Inputs, Link, LinkRequest, LoadRequest, Logs, Middlewares, MoveRequest,
     Moved, PortTraffic, PortType, Ports, Published, Ready, RecordingEnds, RecordingRequest,
     Refusal, ReloadRequest, Reloaded, Replayed, Started, Statistics, StepRequest, Stopping,
-    StreamEnd, ThawRequest, Thawed, Unloaded, frames,
+    StreamEnd, TakenBack, ThawRequest, Thawed, Unloaded, frames,
 };
 
 /// Lists all types that cross the control plane, including those of streams and recordings, to
@@ -69,6 +69,7 @@ use crate::{
     StepRequest,
     Stopping,
     StreamEnd,
+    TakenBack,
     ThawRequest,
     Thawed,
     Unloaded,

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use genom_configuration::Reaction;
 
-use crate::bus::Change;
+use genom_bus::Change;
 
 /// Things to do of other components.
 #[derive(Clone, Debug)]

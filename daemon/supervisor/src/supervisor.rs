@@ -11,15 +11,15 @@ use genom_protocol::RecordingRequest;
 use genom_registry::Backends;
 use genom_runtime::{Clock, Execution, Executor, VirtualClock};
 
-use crate::bus::{Bus, Change};
 use crate::components::{Components, Hosted, UnloadError};
 use crate::connections::{self, Connections, Opening};
-use crate::flag::Flag;
 use crate::known::Known;
 use crate::reactor::Reactions;
 use crate::recording::{BlackBox, Recordings, Session};
 use crate::settings::Settings;
 use crate::vigil;
+use genom_bus::flag::Flag;
+use genom_bus::{Bus, Change};
 
 /// Runs components. It can be shared between threads.
 pub struct Supervisor {

@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 use genom_description::model::TaskIx;
 use genom_runtime::{RunningCodel, Unpaused, nanos, seconds};
 
-use crate::bus::{Bus, Change};
 use crate::components::{Components, Hosted, Spin};
-use crate::flag::Flag;
+use genom_bus::flag::Flag;
+use genom_bus::{Bus, Change};
 
 /// Interval between two checks. A check reads only a few words per component.
 const LOOK: Duration = Duration::from_millis(250);

@@ -7,8 +7,8 @@ use genom_configuration::{OwnResponse, Reaction, SupervisionEntry};
 use genom_protocol::{Kind, Rule};
 use genom_runtime::Violation;
 
-use crate::bus::{Bus, Change};
 use crate::reactor::{Asked, Reactions};
+use genom_bus::{Bus, Change};
 
 /// Time between two violations of a rule that are told and acted upon, in nanoseconds of the
 /// component's clock. Those between are counted, and interrupt activities.

@@ -28,12 +28,12 @@ use super::standing::Standing;
 use super::tracked::{Tracked, held, resume};
 use super::turn::Turn;
 use super::watch::{BusWatcher, Follower};
-use crate::bus::Bus;
-use crate::flag::Flag;
 use crate::outcome::Outcome;
 use crate::recording::Recordings;
 use crate::spans;
 use crate::ties::Ties;
+use genom_bus::Bus;
+use genom_bus::flag::Flag;
 use genom_configuration::BackendNames;
 
 /// The first reply to a request.

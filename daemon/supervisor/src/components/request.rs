@@ -10,8 +10,8 @@ use super::activities::Activity;
 use super::hosted::{Answer, Hosted};
 use super::input::{InputError, Rest};
 use super::running::Components;
-use crate::bus::{Bus, Change};
 use crate::outcome::Outcome;
+use genom_bus::{Bus, Change};
 
 /// Why a request was refused.
 #[derive(Debug, thiserror::Error)]

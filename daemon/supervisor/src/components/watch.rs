@@ -8,7 +8,7 @@ use genom_runtime::plan::Plan;
 use genom_runtime::{Change as Inner, Watcher};
 
 use super::guard::Guard;
-use crate::bus::{Bus, Change};
+use genom_bus::{Bus, Change};
 
 /// Called with each state that an activity enters.
 pub(crate) type Follower = Box<dyn FnMut(&str) + Send>;

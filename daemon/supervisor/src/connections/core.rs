@@ -11,8 +11,8 @@ use super::declared::Declared;
 use super::elsewhere::Elsewhere;
 use super::error::Kind;
 use super::opening::Opening;
-use crate::bus::Bus;
 use crate::components::Components;
+use genom_bus::Bus;
 
 /// How long it may take until endpoints on a network become visible after they, or this daemon,
 /// started.

@@ -5,9 +5,9 @@ use genom_configuration::ConnectionEntry;
 use super::core::{Connections, Wanted};
 use super::error::ConnectError;
 use super::find::Inlet;
-use crate::bus::Change;
 use crate::components::Hosted;
 use crate::ties::Connection;
+use genom_bus::Change;
 
 impl Connections {
     /// Makes a connection on request, in place of an existing one. A deployment's declaration for

@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use super::core::{Connections, Wanted};
-use crate::flag::Flag;
+use genom_bus::flag::Flag;
 
 /// How often missing connections are checked.
 const LOOK: Duration = Duration::from_millis(100);

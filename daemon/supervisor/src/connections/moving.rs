@@ -18,9 +18,9 @@ use super::error::Kind;
 use super::find::publishes;
 use super::last::LastValue;
 use super::opening::BindError;
-use crate::bus::Change;
 use crate::components::Hosted;
 use crate::ties::{PortConnection, ServiceConnection};
+use genom_bus::Change;
 
 /// The new publishers of an out port, not in use yet.
 struct NewEnds {

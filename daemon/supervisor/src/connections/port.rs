@@ -15,9 +15,9 @@ use super::core::{Connections, LOOK_AGAIN, Wanted};
 use super::elsewhere::SHARED;
 use super::error::{ConnectError, Kind};
 use super::find::{Outlet, publishes, split, visible};
-use crate::bus::Change;
 use crate::components::Hosted;
 use crate::ties::PortConnection;
+use genom_bus::Change;
 
 /// Why an in port could not be bound. The previous connection is kept.
 #[derive(Debug, thiserror::Error)]

@@ -18,9 +18,9 @@ use super::elsewhere::SHARED;
 use super::error::{ConnectError, Kind};
 use super::find::{Outlet, visible};
 use super::serve::kind_of;
-use crate::bus::Change;
 use crate::components::Hosted;
 use crate::ties::ServiceConnection;
+use genom_bus::Change;
 
 impl Connections {
     /// Connects a remote, in place of its previous service.

@@ -9,11 +9,11 @@ use genom_description::model::ServiceKind;
 use super::error::StepError;
 use super::step::Step;
 use super::undo::{Gone, Requested, Running, Undo, move_to, take_away, take_back};
-use crate::bus::{Bus, Change, StepStatus};
 use crate::components::{Components, UnloadError, request};
 use crate::connections::Wanted;
 use crate::outcome::Outcome;
 use crate::supervisor::Supervisor;
+use genom_bus::{Bus, Change, StepStatus};
 use genom_configuration::{CallEntry, ConnectionEntry, Spot};
 
 /// How often to check for the other side of a connection: discovery does not notify.

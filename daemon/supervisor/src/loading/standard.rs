@@ -6,8 +6,8 @@ use genom_runtime::{ConnectionError, Supervision};
 
 use crate::components::UnloadError;
 use crate::connections::{ConnectError, Kind, Patience, Wanted};
-use crate::flag::Flag;
 use crate::supervisor::Supervisor;
+use genom_bus::flag::Flag;
 
 /// Requests of one instance to its supervisor.
 pub(super) struct StandardServices {

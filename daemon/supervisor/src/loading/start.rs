@@ -12,9 +12,9 @@ use super::error::LoadError;
 use super::standard::StandardServices;
 use super::supervision;
 use crate::components::{Build, Guard, Hosted, Starting, prepare};
-use crate::flag::Flag;
 use crate::supervisor::Supervisor;
 use crate::ties::{Bindings, Ties};
+use genom_bus::flag::Flag;
 use genom_configuration::{BackendNames, terms};
 
 /// Binds the ports, then starts the tasks and waits for their start codels.

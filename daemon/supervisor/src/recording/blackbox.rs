@@ -10,7 +10,7 @@ use genom_protocol::frames::Channel;
 use serde_json::Value;
 
 use super::notes::{SUBJECTS, Subject, subject};
-use crate::bus::{Bus, Change, Numbered};
+use genom_bus::{Bus, Change, Numbered};
 
 /// Ends an activity that somebody asked to end: nothing is wrong.
 const INTERRUPTED: &str = "::genom::interrupted";

@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use genom_protocol::frames::Channel;
 use serde_json::{Value, json};
 
-use crate::bus::Numbered;
+use genom_bus::Numbered;
 
 /// Maximum number of notes that wait to be sent.
 const MOST: usize = 8192;

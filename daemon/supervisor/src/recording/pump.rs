@@ -14,9 +14,9 @@ use tokio::sync::mpsc::Sender;
 
 use super::Session;
 use super::notes::{SUBJECTS, Subject, subject};
-use crate::bus::Numbered;
-use crate::flag::Flag;
 use crate::waiting::wait;
+use genom_bus::Numbered;
+use genom_bus::flag::Flag;
 
 /// How often tapes are emptied: far more often than they can fill up.
 const LOOK: Duration = Duration::from_millis(2);

@@ -11,10 +11,10 @@ use tokio::sync::broadcast::error::TryRecvError;
 use super::error::ReloadError;
 use super::found::Found;
 use super::trial::{LOOK, REST, Trial, Watched};
-use crate::bus::{Bus, Change, Numbered};
 use crate::components::{Build, Hosted, is_vacated};
 use crate::loading::Source;
 use crate::supervisor::Supervisor;
+use genom_bus::{Bus, Change, Numbered};
 
 /// The exception of an activity that somebody stopped.
 const INTERRUPTED: &str = "::genom::interrupted";

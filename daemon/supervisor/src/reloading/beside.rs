@@ -11,13 +11,13 @@ use super::back::{self, Before, Beside, Way};
 use super::error::ReloadError;
 use super::found::Found;
 use super::trial::{REST, Trial};
-use crate::bus::Numbered;
 use crate::components::{Hosted, NotHandedOver};
 use crate::connections::Wanted;
 use crate::deploy::Gone;
 use crate::loading::{LoadError, begin, check_names};
 use crate::supervisor::Supervisor;
 use crate::ties::Connection;
+use genom_bus::Numbered;
 
 /// A component that took the place of another one.
 pub(super) struct Begun {

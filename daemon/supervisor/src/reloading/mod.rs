@@ -22,13 +22,13 @@ use genom_configuration::ReloadSection;
 use genom_host::Contents;
 use genom_protocol::{ComponentReload, ReloadRequest};
 
-use crate::bus::Change;
 use crate::components::{Build, Hosted, is_vacated};
 use crate::loading::locate::LocateError;
 use crate::loading::{LoadError, Source, built, locate, open};
 use crate::supervisor::Supervisor;
 use back::{Before, Way};
 use found::Found;
+use genom_bus::Change;
 use trial::{REST, Trial};
 
 pub use error::ReloadError;

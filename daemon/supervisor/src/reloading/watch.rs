@@ -15,9 +15,9 @@ use std::time::Duration;
 use genom_host::Contents;
 use genom_protocol::ReloadRequest;
 
-use crate::bus::Change;
 use crate::components::Hosted;
 use crate::supervisor::Supervisor;
+use genom_bus::Change;
 
 /// Interval between two looks. A file counts as written when it is the same in two of them.
 const LOOK: Duration = Duration::from_millis(200);

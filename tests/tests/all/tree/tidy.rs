@@ -171,7 +171,7 @@ const FLOORS: &[(&str, &str)] = &[
     ("ports", "dates gauge key tape fan feeds tap lib"),
     (
         "supervisor",
-        "outcome known limits settings waiting bus reactor spans recording ties components connections \
+        "outcome known limits settings waiting reactor spans recording ties components connections \
          vigil supervisor loading deploy reloading lib",
     ),
     (
