@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use genom_description::pkg_config::PkgConfig;
-use genom_project::new::{Codels, files, library, refused};
+use genom_project::new::{Codels, Tool, files, library, refused};
 use genom_project::skeleton::Language;
 use genom_project::{Written, sdk};
 use serde_json::json;
@@ -11,8 +11,8 @@ use serde_json::json;
 use crate::failure::Failure;
 use crate::session::Session;
 
-/// Make a new component: a directory with a description, codels, build files (CMake for C and C++,
-/// cargo for Rust), a deployment and a test. It builds and runs as it is.
+/// Make a new component: a directory with a description, codels, build files, a deployment and a
+/// test. It builds and runs as it is.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Its name: a letter, then letters, digits and _.
@@ -20,6 +20,9 @@ pub(crate) struct Args {
     /// Language of the codels.
     #[arg(long, value_enum, default_value_t = Lang::C)]
     lang: Lang,
+    /// What builds codels in C and C++; cargo builds those in Rust [default: cmake].
+    #[arg(long, value_enum, value_name = "TOOL")]
+    with: Option<With>,
     /// The directory [default: the name].
     #[arg(long, short = 'C', value_name = "DIRECTORY")]
     directory: Option<PathBuf>,
@@ -36,6 +39,27 @@ enum Lang {
     Rust,
 }
 
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum With {
+    /// The package that genomd installs.
+    Cmake,
+    /// pkg-config.
+    Meson,
+    /// As GenoM3's components: autoconf, automake and libtool.
+    Autotools,
+}
+
+impl Args {
+    fn compiled(&self, language: Language) -> Codels<'static> {
+        let tool = match self.with {
+            None | Some(With::Cmake) => Tool::CMake,
+            Some(With::Meson) => Tool::Meson,
+            Some(With::Autotools) => Tool::Autotools,
+        };
+        Codels::Compiled(language, tool)
+    }
+}
+
 pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     if let Some(why) = refused(&args.name) {
         return Err(Failure::usage(why, "for example `genomctl new my_arm`"));
@@ -43,8 +67,12 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let directory = args.directory.clone().unwrap_or_else(|| PathBuf::from(&args.name));
     let crates;
     let codels = match args.lang {
-        Lang::C => Codels::Compiled(Language::C),
-        Lang::Cxx => Codels::Compiled(Language::Cxx),
+        Lang::C => args.compiled(Language::C),
+        Lang::Cxx => args.compiled(Language::Cxx),
+        Lang::Rust if args.with.is_some() => {
+            let message = "cargo builds components in Rust".to_owned();
+            return Err(Failure::usage(message, "leave out --with"));
+        }
         Lang::Rust => {
             crates = rust_sdk(args.sdk.as_deref())?;
             Codels::Rust { sdk: &crates }

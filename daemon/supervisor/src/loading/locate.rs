@@ -86,6 +86,9 @@ pub(crate) fn locate(request: &LoadRequest, path: &[PathBuf]) -> Result<Located,
     Ok(Located { library, description, contents })
 }
 
+/// Where libtool puts the library of codels, below a project or the directory that it is built in.
+const LIBTOOL: &str = "codels/.libs";
+
 fn is_library(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     name.ends_with(".so") || name.contains(".so.")
@@ -154,15 +157,17 @@ fn whole(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
-/// The library of a GenoM3 project (genom3.md 5.9), given its description: in the source tree,
-/// where libtool puts it, or installed.
+/// The library of a project, given its description: in the source tree or its directory `build`,
+/// where libtool (genom3.md 5.9) and other build files put it, or installed.
 fn project_library(description: &Path) -> Option<PathBuf> {
     let name = description.file_stem()?.to_string_lossy();
-    let tree = description.with_file_name("codels").join(".libs");
     let here = description.parent()?;
+    let build = here.join("build");
     // Installed: PREFIX/share/idl/NAME/NAME.gen.
     let prefix = description.ancestors().nth(4);
-    installed::library_in(&tree, &name)
+    installed::library_in(&here.join(LIBTOOL), &name)
+        .or_else(|| installed::library_in(&build.join(LIBTOOL), &name))
+        .or_else(|| existing(build.join(format!("{name}.so"))))
         .or_else(|| installed::library_in(here, &name))
         .or_else(|| installed::in_prefix(prefix?, &name))
 }
@@ -175,10 +180,12 @@ fn project_description(library: &Path) -> Option<PathBuf> {
     }
     let share = Path::new("share/idl").join(component_name(library)).join(&file);
     let up = |levels: usize| library.ancestors().nth(levels);
-    let tree = up(3).map(|tree| tree.join(&file));
+    // Built in the source tree, or in a directory of it.
+    let built = up(1).is_some_and(|directory| directory.ends_with(LIBTOOL));
+    let trees = [up(3), up(4)].map(|tree| tree.filter(|_| built).map(|tree| tree.join(&file)));
     // Two levels up if libraries are in a directory per architecture.
     let installed = [up(2), up(3)].into_iter().flatten().map(|prefix| prefix.join(&share));
-    tree.into_iter().chain(installed).find_map(existing)
+    trees.into_iter().flatten().chain(installed).find_map(existing)
 }
 
 fn description_of(library: &Path) -> Result<(Description, Option<Contents>), LocateError> {
@@ -239,6 +246,20 @@ mod tests {
         assert_eq!(found.description, Description::File(at("demo.gen")));
         let found = locate(&request(at("x/arm.gen")), &[at("lib")]).unwrap();
         assert_eq!(found.library, at("lib/arm/arm.so"));
+    }
+
+    #[test]
+    fn what_a_project_built_in_its_directory_build_is_found_both_ways() {
+        let libtool = "leg/build/codels/.libs/libleg_codels-0.1.so";
+        let scratch = scratch(&["arm/arm.gen", "arm/build/arm.so", "leg/leg.gen", libtool]);
+        let at = |name: &str| scratch.path().join(name);
+        for (gen_file, library) in [("arm/arm.gen", "arm/build/arm.so"), ("leg/leg.gen", libtool)] {
+            assert_eq!(locate(&request(at(gen_file)), &[]).unwrap().library, at(library));
+        }
+        assert_eq!(project_description(&at(libtool)), Some(at("leg/leg.gen")));
+        // A library elsewhere is not described by whatever lies four directories above it.
+        fs::write(at("leg.gen"), "").unwrap();
+        assert_eq!(project_description(&at("leg/usr/lib/libleg_codels.so")), None);
     }
 
     #[test]

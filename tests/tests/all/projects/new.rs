@@ -9,9 +9,10 @@ use genom_tests::program;
 
 use super::Prefix;
 
-/// CMake and its generator, from the registry of Python's packages.
+/// CMake, Meson and their generator from the registry of Python's packages, autotools from Debian's.
 fn programs() -> OsString {
-    let python = python::environment(&["cmake==3.31.6", "ninja==1.11.1.4"]).unwrap();
+    let packages = ["cmake==3.31.6", "meson==1.0.1", "ninja==1.11.1.4"];
+    let python = python::environment(&packages).unwrap();
     let mut path = python.parent().unwrap().as_os_str().to_owned();
     path.push(":");
     path.push(genom_components::debian::autotools().unwrap());
@@ -54,6 +55,52 @@ fn a_new_component_builds_runs_and_passes_its_test() {
 }
 
 #[test]
+fn a_new_component_may_be_built_by_meson_or_by_autotools() {
+    let prefix = Prefix::new();
+    let scratch = tempfile::tempdir().unwrap();
+    let programs = programs();
+    let run = |words: &[&str]| {
+        let mut command = Command::new(words[0]);
+        command.args(&words[1..]).current_dir(scratch.path());
+        prefix.run(command.envs(prefix.environment(&programs)))
+    };
+    let install = prefix.path().join("installed");
+    for (tool, language, name, test) in [
+        ("meson", "c", "arm", &["meson", "test", "-C", "arm/build"][..]),
+        ("meson", "c++", "leg", &["meson", "test", "-C", "leg/build"]),
+        ("autotools", "c", "hand", &["make", "-C", "hand/build", "check"]),
+        ("autotools", "c++", "foot", &["make", "-C", "foot/build", "check"]),
+    ] {
+        run(&["genomctl", "new", name, "--lang", language, "--with", tool]);
+        run(&["genomctl", "build", name]);
+        // Either of the two finds the other.
+        run(&["genomd", "--check", &format!("{name}/{name}.gen")]);
+        let readme = fs::read_to_string(scratch.path().join(name).join("README.md")).unwrap();
+        let library = readme.split("genomd ").nth(1).unwrap();
+        let library = library.split_whitespace().next().unwrap();
+        run(&["genomd", "--check", &format!("{name}/{library}")]);
+        let tested = run(test);
+        assert!(!tested.contains("FAIL"), "{tested}");
+        assert!(readme.contains(&test.join(" ").replace(&format!("{name}/"), "")), "{readme}");
+    }
+    let built = scratch.path().join("hand/build");
+    let prefix_of_hand = format!("prefix={}", install.display());
+    run(&["make", "-C", &built.to_string_lossy(), "install", &prefix_of_hand]);
+    run(&["genomd", "--path", &install.to_string_lossy(), "--check", "hand"]);
+    run(&["meson", "configure", "arm/build", &format!("-Dprefix={}", install.display())]);
+    run(&["meson", "install", "-C", "arm/build"]);
+    // In lib/genomd, or where this machine has libraries.
+    let found = [
+        "lib/genomd",
+        "lib64/genomd",
+        "lib/x86_64-linux-gnu/genomd",
+        "lib/aarch64-linux-gnu/genomd",
+    ]
+    .map(|place| install.join(place).join("arm.so"));
+    assert!(found.iter().any(|library| library.is_file()), "{found:?}");
+}
+
+#[test]
 fn nothing_is_written_over_what_is_there_nor_under_a_name_that_no_component_can_have() {
     let scratch = tempfile::tempdir().unwrap();
     let new = |arguments: &[&str]| {
@@ -69,4 +116,8 @@ fn nothing_is_written_over_what_is_there_nor_under_a_name_that_no_component_can_
     let refused = new(&["my-arm"]);
     assert_eq!(refused.status.code(), Some(2));
     assert!(!scratch.path().join("my-arm").exists());
+    let refused = new(&["wheel", "--lang", "rust", "--with", "meson"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let told = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(told.contains("cargo builds components in Rust"), "{told}");
 }

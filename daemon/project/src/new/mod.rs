@@ -1,35 +1,36 @@
 //! The files of a new component, which builds, runs and has a test.
 
+mod tool;
+
+pub use tool::Tool;
+
 use std::path::Path;
 
 use crate::file::File;
-use crate::skeleton::Language;
+use crate::skeleton::{Language, Sheet};
 
-const GEN: &str = include_str!("../templates/new/component.gen");
-const MOVES: &str = include_str!("../templates/new/moves.toml");
-const README: &str = include_str!("../templates/new/README.md");
-const DEPLOYMENT: &str = include_str!("../templates/new/component.toml");
-const CI: &str = include_str!("../templates/new/ci.yml");
-const IGNORED: &str = include_str!("../templates/new/gitignore");
+const GEN: &str = include_str!("../../templates/new/component.gen");
+const MOVES: &str = include_str!("../../templates/new/moves.toml");
+const README: &str = include_str!("../../templates/new/README.md");
+const DEPLOYMENT: &str = include_str!("../../templates/new/component.toml");
+const CI: &str = include_str!("../../templates/new/ci.yml");
+const IGNORED: &str = include_str!("../../templates/new/gitignore");
 
-// C and C++, by CMake.
-const C: &str = include_str!("../templates/new/cmake/codels.c");
-const CXX: &str = include_str!("../templates/new/cmake/codels.cc");
-const CMAKE: &str = include_str!("../templates/new/cmake/CMakeLists.txt");
-const CLANGD: &str = include_str!("../templates/new/cmake/clangd");
+const C: &str = include_str!("../../templates/new/codels.c");
+const CXX: &str = include_str!("../../templates/new/codels.cc");
 
 // Rust, by cargo.
-const CARGO: &str = include_str!("../templates/new/rust/Cargo.toml.in");
-const RUST_LIB: &str = include_str!("../templates/new/rust/src/lib.rs");
-const RUST_TYPES: &str = include_str!("../templates/new/rust/src/types.rs");
-const RUST_CODELS: &str = include_str!("../templates/new/rust/src/codels.rs");
-const RUST_README: &str = include_str!("../templates/new/rust/README.more.md");
+const CARGO: &str = include_str!("../../templates/new/rust/Cargo.toml.in");
+const RUST_LIB: &str = include_str!("../../templates/new/rust/src/lib.rs");
+const RUST_TYPES: &str = include_str!("../../templates/new/rust/src/types.rs");
+const RUST_CODELS: &str = include_str!("../../templates/new/rust/src/codels.rs");
+const RUST_README: &str = include_str!("../../templates/new/rust/README.more.md");
 
 /// What the codels of a new component are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Codels<'a> {
-    /// C or C++, built by CMake.
-    Compiled(Language),
+    /// C or C++.
+    Compiled(Language, Tool),
     /// Rust, built by cargo.
     Rust {
         /// The directory of crate `genom`, absolute: see [`crate::sdk::RUST`].
@@ -54,7 +55,7 @@ pub fn refused(name: &str) -> Option<String> {
 #[must_use]
 pub fn library(name: &str, codels: Codels<'_>) -> String {
     match codels {
-        Codels::Compiled(_) => format!("build/{name}.so"),
+        Codels::Compiled(_, tool) => tool.library(name),
         // As installed components are named; a crate may not have every name of a component.
         Codels::Rust { .. } => format!("target/debug/lib{name}_codels.so"),
     }
@@ -64,9 +65,12 @@ pub fn library(name: &str, codels: Codels<'_>) -> String {
 #[must_use]
 pub fn files(name: &str, codels: Codels<'_>) -> Vec<File> {
     let library = library(name, codels);
-    let interface = if codels == Codels::Compiled(Language::Cxx) { "c++" } else { "c" };
+    let interface = match codels {
+        Codels::Compiled(Language::Cxx, _) => "c++",
+        Codels::Compiled(Language::C, _) | Codels::Rust { .. } => "c",
+    };
     let (test, sources, built) = match codels {
-        Codels::Compiled(_) => ("ctest --test-dir build", "codels", "build/"),
+        Codels::Compiled(_, tool) => (tool.test(), "codels", tool.built()),
         Codels::Rust { .. } => ("genomctl test", "src/codels.rs", "target/"),
     };
     let fill = |text: &str| {
@@ -87,14 +91,12 @@ pub fn files(name: &str, codels: Codels<'_>) -> Vec<File> {
         File::new(".gitignore", fill(IGNORED)),
     ];
     match codels {
-        Codels::Compiled(language) => {
-            // No compiler is asked for that the component does not need.
-            let (text, compilers) = if language == Language::C { (C, "C") } else { (CXX, "CXX") };
-            let ending = language.extension();
-            list.push(File::new(format!("codels/{name}_codels.{ending}"), fill(text)));
-            let build = fill(CMAKE).replace("%ENDING%", ending).replace("%COMPILERS%", compilers);
-            list.push(File::new("CMakeLists.txt", build));
-            list.push(File::new(".clangd", CLANGD));
+        Codels::Compiled(language, tool) => {
+            let text = if language == Language::C { C } else { CXX };
+            let path = format!("codels/{name}_codels.{}", language.extension());
+            let sheet = Sheet { path: path.clone().into(), opening: fill(text), functions: vec![] };
+            list.push(File::new(path, sheet.text()));
+            list.extend(tool.files(name, &fill(GEN), language, sheet));
         }
         Codels::Rust { sdk } => {
             let sdk = sdk.to_string_lossy();
@@ -125,8 +127,11 @@ mod tests {
     #[test]
     fn a_new_description_has_no_mistakes_and_no_warnings() {
         let sdk = Path::new("/opt/genomd/share/genomd/rust");
-        let kinds = [Language::C, Language::Cxx].map(Codels::Compiled);
-        for codels in kinds.into_iter().chain([Codels::Rust { sdk }]) {
+        let tools = [Tool::CMake, Tool::Meson, Tool::Autotools];
+        let compiled = [Language::C, Language::Cxx]
+            .into_iter()
+            .flat_map(|language| tools.map(|tool| Codels::Compiled(language, tool)));
+        for codels in compiled.chain([Codels::Rust { sdk }]) {
             let files = files("arm", codels);
             let gen_file = files.iter().find(|file| file.path.ends_with("arm.gen")).unwrap();
             let analysis = read_text("arm.gen", &gen_file.text, &Options::default());
@@ -134,7 +139,13 @@ mod tests {
                 (analysis.diagnostics.errors(), analysis.diagnostics.warnings());
             assert_eq!((errors, warnings), (0, 0));
             for file in &files {
-                assert!(!file.text.contains('%'), "{} is not filled in", file.path.display());
+                // `make` has rules with `%`, which no word in capitals follows.
+                let left = file
+                    .text
+                    .split('%')
+                    .skip(1)
+                    .any(|rest| rest.starts_with(|c: char| c.is_ascii_uppercase()));
+                assert!(!left, "{} is not filled in", file.path.display());
             }
         }
     }
