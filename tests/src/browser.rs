@@ -2,11 +2,14 @@
 //!
 //! Nothing here waits for a time: a test asks for a condition of the page until it holds.
 
-use std::path::Path;
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::net::TcpStream;
 use std::process::Command;
 use std::time::Instant;
 
-use fantoccini::actions::{InputSource as _, MOUSE_BUTTON_LEFT, MouseActions, PointerAction};
+use fantoccini::actions::{
+    InputSource as _, MOUSE_BUTTON_LEFT, MOUSE_BUTTON_RIGHT, MouseActions, PointerAction,
+};
 use fantoccini::{Client, ClientBuilder, Locator};
 use hyper_util::client::legacy::connect::HttpConnector;
 use serde_json::{Map, Value, json};
@@ -25,6 +28,8 @@ const MISSING: &str = "the tests of the web console drive Chromium: `apt-get ins
 pub struct Browser {
     runtime: Runtime,
     client: Client,
+    /// Address of the driver.
+    port: u16,
     _driver: Running,
     _profile: TempDir,
 }
@@ -47,6 +52,7 @@ impl Browser {
         let line = driver.line_where(|line| line.contains("started successfully on port"));
         let digits = |c: char| !c.is_ascii_digit();
         let port = line.trim_end_matches(digits).rsplit(digits).next().expect("a port");
+        let port: u16 = port.parse().expect("a port");
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .worker_threads(1)
             .enable_all()
@@ -72,7 +78,7 @@ impl Browser {
         };
         let client = runtime.block_on(connecting);
         let client = client.unwrap_or_else(|error| panic!("no browser: {error}; {MISSING}"));
-        Self { runtime, client, _driver: driver, _profile: profile }
+        Self { runtime, client, port, _driver: driver, _profile: profile }
     }
 
     /// Opens an address.
@@ -157,15 +163,37 @@ impl Browser {
         self.runtime.block_on(pressing).unwrap_or_else(|error| panic!("{css}: {error}"));
     }
 
+    /// The middle of an element.
+    #[track_caller]
+    fn middle(&self, css: &str) -> [f64; 2] {
+        let middle = "const box = document.querySelector(arguments[0]).getBoundingClientRect();
+            return [box.x + box.width / 2, box.y + box.height / 2].map(Math.round)";
+        let at = self.with(middle, vec![json!(css)]);
+        [0, 1].map(|axis| at[axis].as_f64().expect("a place"))
+    }
+
+    /// Clicks on an element with the right button.
+    #[track_caller]
+    pub fn click_right(&self, css: &str) {
+        let [x, y] = self.middle(css);
+        let click = MouseActions::new("mouse".to_owned())
+            .then(PointerAction::MoveTo { duration: None, x, y })
+            .then(PointerAction::Down { button: MOUSE_BUTTON_RIGHT })
+            .then(PointerAction::Up { button: MOUSE_BUTTON_RIGHT });
+        self.runtime.block_on(self.client.perform_actions(click)).expect("the mouse clicks");
+    }
+
+    /// Presses keys on whatever has the focus.
+    #[track_caller]
+    pub fn type_keys(&self, keys: &str) {
+        let typing = async { self.client.active_element().await?.send_keys(keys).await };
+        self.runtime.block_on(typing).unwrap_or_else(|error| panic!("{keys:?}: {error}"));
+    }
+
     /// Drags from the middle of an element to the middle of another.
     #[track_caller]
     pub fn drag(&self, from: &str, to: &str) {
-        let [from, to] = [from, to].map(|css| {
-            let middle = "const box = document.querySelector(arguments[0]).getBoundingClientRect();
-                return [box.x + box.width / 2, box.y + box.height / 2].map(Math.round)";
-            let at = self.with(middle, vec![json!(css)]);
-            [0, 1].map(|axis| at[axis].as_f64().expect("a place"))
-        });
+        let [from, to] = [from, to].map(|css| self.middle(css));
         let to_point = |[x, y]: [f64; 2]| PointerAction::MoveTo { duration: None, x, y };
         let half = [0, 1].map(|axis| f64::midpoint(from[axis], to[axis]).round());
         let drag = MouseActions::new("mouse".to_owned())
@@ -177,11 +205,52 @@ impl Browser {
         self.runtime.block_on(self.client.perform_actions(drag)).expect("the mouse moves");
     }
 
-    /// Writes a picture of the window.
+    /// A picture of the window, as PNG.
     #[track_caller]
-    pub fn picture(&self, file: &Path) {
-        let picture = self.runtime.block_on(self.client.screenshot()).expect("a picture");
-        std::fs::write(file, picture).expect("a file can be written");
+    pub fn picture(&self) -> Vec<u8> {
+        self.runtime.block_on(self.client.screenshot()).expect("a picture")
+    }
+
+    /// Has a page another size, in pixels, and a light or dark scheme of colours.
+    #[track_caller]
+    pub fn look(&self, width: u32, height: u32, dark: bool) {
+        let scheme = if dark { "dark" } else { "light" };
+        let size =
+            json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
+        self.order("Emulation.setDeviceMetricsOverride", &size);
+        let features = json!([{ "name": "prefers-color-scheme", "value": scheme }]);
+        self.order("Emulation.setEmulatedMedia", &json!({ "features": features }));
+    }
+
+    /// Forgets all files of pages that were loaded.
+    #[track_caller]
+    pub fn forget_files(&self) {
+        self.order("Network.clearBrowserCache", &json!({}));
+    }
+
+    /// Gives an order of Chromium's own protocol, which WebDriver does not have.
+    #[track_caller]
+    fn order(&self, order: &str, parameters: &Value) {
+        let session = self.runtime.block_on(self.client.session_id()).expect("a session");
+        let session = session.expect("a session");
+        let body = json!({ "cmd": order, "params": parameters }).to_string();
+        let mut stream = TcpStream::connect(("127.0.0.1", self.port)).expect("the driver listens");
+        stream.set_read_timeout(Some(WATCHDOG)).expect("a time-out can be set");
+        let (port, length) = (self.port, body.len());
+        let request = format!(
+            "POST /session/{session}/goog/cdp/execute HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\
+             Content-Type: application/json\r\n\
+             Content-Length: {length}\r\n\r\n{body}"
+        );
+        stream.write_all(request.as_bytes()).expect("the driver takes orders");
+        // The driver keeps the connection, whatever was asked.
+        let mut reply = String::new();
+        let mut lines = BufReader::new(stream);
+        while !reply.ends_with("\r\n\r\n") {
+            let read = lines.read_line(&mut reply).expect("the driver replies");
+            assert_ne!(read, 0, "{order}: {reply}");
+        }
+        assert!(reply.starts_with("HTTP/1.1 200"), "{order}: {reply}");
     }
 }
 

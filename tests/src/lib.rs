@@ -22,6 +22,8 @@ pub mod faults;
 pub mod fleet;
 mod http;
 mod many;
+pub mod mesh;
+pub mod pace;
 pub mod reloads;
 pub mod siege;
 mod signal;

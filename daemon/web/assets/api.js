@@ -47,6 +47,7 @@ export const get = (path) => ask("GET", `/api${path}`);
 export const remove = (path) => ask("DELETE", `/api${path}`, "");
 /** Sends JSON that is written already, so that 64-bit numbers keep their digits. */
 export const post = (path, json = "") => ask("POST", `/api${path}`, json);
+export const replace = (path, json) => ask("PUT", `/api${path}`, json);
 
 export const session = {
   look: () => ask("GET", "/session"),

@@ -30,7 +30,7 @@ export async function component(page, context, named) {
     described.doc && el("p", { class: "doc" }, described.doc),
     el("p", { class: "soft" }, [named === described.component ? null : ["an instance of ", name(described.component), " · "],
       `version ${described.version} · ${described.lang} · `, middlewares(described.backend).join(", "),
-      described.cell ? ` · cell ${described.cell}` : "", " · ", el("bdi", { class: "path" }, described.library)]),
+      described.cell ? ` · cell ${described.cell}` : "", " · ", el("bdi", { class: "path", title: described.library }, described.library.split("/").at(-1))]),
     KINDS.map(([kind, title]) => {
       const these = mine.map((one, at) => [one, services[at]])
         .filter(([one]) => one.kind === kind);

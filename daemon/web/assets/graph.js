@@ -1,377 +1,417 @@
-// The graph of components: ports and connections, which are made by dragging from an out port to an
-// in port, or with the keyboard, and removed by choosing them.
+// The graph of components: their ports, connections, cells, and what other programs have on the
+// middlewares. Connections are made, moved and removed by dragging, in menus, or with the keyboard.
 
-import { path, post, remove, told } from "./api.js";
-import { el, name, note, pageOf, put, svg, visible } from "./dom.js";
-import { ROW, TITLE, WIDTH, heightOf, layout } from "./layout.js";
+import { get } from "./api.js";
+import { choose as select } from "./dialog.js";
+import { el, name, pageOf, put, svg } from "./dom.js";
+import { Drawing, about, color } from "./drawing.js";
+import { Ends, isEnd, isStart, likely, ordered } from "./ends.js";
+import { next, pointer } from "./gestures.js";
+import { closeMenu, menu } from "./menu.js";
 import { parts } from "./port.js";
+import { Rates } from "./rates.js";
+import { LEVELS, MANY, scene } from "./scene.js";
 import { frequency, middlewares } from "./units.js";
+import { View } from "./view.js";
+import { change, connect, disconnect, mismatch, move, moveTo, pick, servicesOf } from "./wiring.js";
 
-/** Colours of middlewares, by their names; others take the last. */
-const COLORS = { local: 1, shm: 2, zenoh: 3, ros2: 4 };
-/** The port that every component has, which says how it is. */
-const STATE = "genom_state";
+/** Milliseconds between two looks at what other programs have. */
+const LOOKS = 5000;
 
-const color = (backend) => `m${COLORS[backend] ?? 5}`;
-const short = (text, most) => text.length > most ? `${text.slice(0, most - 1)}…` : text;
+function help() {
+  const line = (what, how) => [el("dt", {}, what), el("dd", {}, how)];
+  return el("details", { class: "soft" }, el("summary", {}, "How to connect"), el("dl", { class: "keys" },
+    line("Connect", "Drag from an out port to an in port, or from a remote to a service. With the keyboard: Enter on both."),
+    line("Move", "Drag the end of a connection, or its in port, to another in port."),
+    line("Disconnect and more", "Right click, long press, menu key or M, on a connection, a port or a component; Delete disconnects."),
+    line("Look around", "Wheel or two fingers zoom, dragging moves. Arrow keys go along ports and connections.")));
+}
 
 export async function graph(page, context) {
-  const edgesLayer = svg("g");
-  const nodesLayer = svg("g");
-  const drag = svg("path", { class: "dragged", hidden: true });
-  const canvas = svg("svg", { id: "graph", class: "graph", role: "group", "aria-label": "Graph of components" }, edgesLayer, nodesLayer, drag);
+  const query = new URLSearchParams(location.search);
+  const drawing = new Drawing();
+  const line = svg("path", { class: "dragged", hidden: true });
+  drawing.layer.append(line);
+  const canvas = svg("svg", { id: "graph", class: "graph", role: "group", "aria-label": "Graph of components" }, drawing.layer);
+  const view = new View(canvas, drawing.layer, (box) => drawing.cull(box));
   const status = el("p", { class: "soft", role: "status", id: "graph-status" });
-  const withState = el("input", { type: "checkbox", id: "with-state" });
-  const button = (text, label, act) => el("button", { type: "button", "aria-label": label, title: label, onclick: act }, text);
   const key = el("ul", { class: "legend", "aria-label": "Colours of middlewares" });
+  const find = el("input", { type: "search", id: "find", value: query.get("find") ?? "", autocomplete: "off", placeholder: "name, port, type, cell" });
+  const level = select("level", "Show", [["", "what fits"], ...LEVELS.map((one) => [one, one])], query.get("level") ?? "");
+  const states = tick("with-state", "State ports", query.get("states") === "1");
+  const others = tick("with-peers", "Other programs", query.get("peers") !== "0");
+  const mayWire = context.may("wire");
   put(page, el("div", { class: "title" }, el("h1", {}, "Graph"), el("span", { class: "gap" }),
-    button("−", "Smaller", () => zoom(1.25)), button("+", "Larger", () => zoom(0.8)), button("Fit", "Show everything", () => { moved = false; fit(); })),
-  el("p", { class: "soft" }, context.may("wire")
-    ? "Drag from an out port to an in port to connect them, or press Enter on both. Choose a connection to remove it."
-    : "Your rights do not allow to connect."),
-  el("div", { class: "row" }, key, el("span", { class: "field inline" }, withState, el("label", { for: "with-state" }, "State ports"))),
-  canvas, status);
+    button("−", "Smaller", () => view.zoom(0.8)), button("+", "Larger", () => view.zoom(1.25)), button("Fit", "Fit everything into the window", fit)),
+  el("form", { class: "filters", role: "search", onsubmit: (event) => { event.preventDefault(); goToFound(); } },
+    el("div", { class: "field" }, el("label", { for: "find" }, "Find"), find), level.node, states.node, others.node),
+  canvas,
+  el("div", { class: "row under-graph" }, key, status),
+  mayWire ? help() : el("p", { class: "soft" }, "Your rights do not allow to connect."));
 
-  let ports = [];
-  let connections = [];
-  let components = [];
+  const told = { components: [], ports: [], connections: [], middlewares: [] };
+  const folds = new Map();
+  const rates = new Rates();
+  let known = [];
   let shape = "";
-  let places = new Map();
   let picked = null;
-  let view = null;
-  // Rows of ports of each component; whether the user chose what is seen.
-  let nodeRows = new Map();
-  let moved = false;
-  const nodes = new Map();
-  const rates = new Map();
-  const anchors = new Map();
+  let dragged = null;
+  let waits = false;
+  let stopped = false;
 
-  withState.addEventListener("change", draw);
+  function tick(id, text, checked) {
+    const input = el("input", { type: "checkbox", id, checked });
+    return { input, node: el("div", { class: "field inline" }, input, el("label", { for: id }, text)) };
+  }
+  function button(text, label, act) {
+    return el("button", { type: "button", "aria-label": label, title: label, onclick: act }, text);
+  }
 
-  const isShown = (port) => withState.checked || port.name !== STATE;
+  // What is shown.
 
-  /** Draws all anew where components, ports or connections changed; else only numbers. */
+  const levelNow = () => level.input.value || (told.components.length > MANY ? "components" : "ports");
+  const wish = () => ({ level: levelNow(), folds, states: states.input.checked, peers: others.input.checked, find: find.value });
+
+  /** Draws with the next frame, once for all that arrived. */
+  function later() {
+    if (waits) return;
+    waits = true;
+    requestAnimationFrame(() => {
+      waits = false;
+      if (!stopped) draw();
+    });
+  }
+
   function draw() {
-    const known = new Set(components.map((one) => one.name));
-    const mine = ports.filter((port) => known.has(parts(port.address).component));
-    const now = JSON.stringify([withState.checked, components.map((one) => [one.name, one.state, one.remotes]),
-      mine.map((port) => [port.address, port.backend]), connections]);
+    // What is below the pointer stays there.
+    if (dragged) return;
+    const now = JSON.stringify([told.components.map(({ activities, notes, ...one }) => one), told.connections, told.middlewares, wish(), [...folds],
+      told.ports.map((port) => [port.address, port.backend, port.digest])]);
     if (now !== shape) {
       shape = now;
-      redraw(mine);
+      const made = scene(told, wish());
+      const box = canvas.getBoundingClientRect();
+      drawing.draw(made, Math.max(0.6, box.width / Math.max(1, box.height)));
+      known = made.nodes;
+      drawKey(made);
+      if (view.chosen) drawing.cull(view.seen());
+      else fit();
     }
-    drawRates();
+    drawing.tell(rateOf, (node) => node.component ? numbers.get(node.name) ?? 0 : 0);
   }
 
-  function redraw(mine) {
-    const focused = document.activeElement?.getAttribute?.("data-key");
-    const by = new Map(components.map((one) => [one.name, { in: [], out: [] }]));
-    for (const port of mine.filter(isShown)) by.get(parts(port.address).component)[port.direction].push(port);
-    for (const one of components) {
-      for (const remote of one.remotes ?? []) by.get(one.name).in.push({ address: `${one.name}/${remote}`, name: remote, remote: true, backend: one.backend });
+  let numbers = new Map();
+
+  function drawKey({ nodes, edges, hidden }) {
+    const used = new Set([...edges.filter((one) => one.kind === "port").map((one) => one.backend), ...told.ports.flatMap((port) => middlewares(port.backend))]);
+    const entry = (kind, text) => el("li", {}, el("span", { class: `key ${kind}` }), name(text));
+    put(key, [...used].filter(Boolean).sort().map((backend) => entry(color(backend), backend)),
+      edges.some((one) => one.kind === "service") && entry("dashed", "calls of remotes"),
+      nodes.some((one) => one.kind === "peer") && entry("dotted", "other programs"));
+    const plural = (count, what) => `${count} ${what}${count === 1 ? "" : "s"}`;
+    put(status, `${plural(told.components.length, "component")}, ${plural(told.connections.length, "connection")}`,
+      hidden > 0 && `, ${hidden} not shown`);
+  }
+
+  function rateOf({ list, foreign, kind }) {
+    if (foreign || kind === "service") return "";
+    let sum;
+    for (const one of list) {
+      const rate = rates.of(one.out) ?? rates.of(one.in);
+      if (rate !== undefined) sum = (sum ?? 0) + rate;
     }
-    const rows = (id) => Math.max(by.get(id).in.length, by.get(id).out.length);
-    const ends = connections.map((one) => [parts(one.out).component, parts(one.in).component]).filter((pair) => pair.every((id) => by.has(id)));
-    nodeRows = new Map(components.map(({ name: id }) => [id, rows(id)]));
-    places = layout(components.map(({ name: id }) => ({ id, rows: rows(id) })), ends);
-    nodesLayer.replaceChildren();
-    edgesLayer.replaceChildren();
-    nodes.clear();
-    anchors.clear();
-    for (const one of components) nodesLayer.append(nodeOf(one, by.get(one.name)));
-    rates.clear();
-    for (const one of connections) {
-      const edge = edgeOf(one);
-      if (edge) edgesLayer.append(edge);
+    return sum === undefined ? "" : `${list.length > 1 ? `${list.length} · ` : ""}${frequency(sum)}`;
+  }
+
+  function fit() {
+    view.chosen = false;
+    view.fit(drawing.bounds());
+  }
+
+  function goToFound() {
+    const first = known.find((node) => !node.beside);
+    if (!find.value.trim() || !first) return put(status, "Nothing has this name.");
+    view.reveal(drawing.place(first.id));
+    focus(first.id);
+  }
+
+  function share() {
+    const now = new URLSearchParams([["find", find.value.trim()], ["level", level.input.value],
+      ["states", states.input.checked ? "1" : ""], ["peers", others.input.checked ? "" : "0"]].filter(([, value]) => value));
+    history.replaceState(null, "", `${location.pathname}${now.size > 0 ? `?${now}` : ""}`);
+    later();
+  }
+  find.addEventListener("input", () => { view.chosen = false; share(); });
+  level.input.addEventListener("change", () => { folds.clear(); view.chosen = false; share(); });
+  states.input.addEventListener("change", share);
+  others.input.addEventListener("change", share);
+
+  function fold(id, folded) {
+    folds.set(id, folded);
+    draw();
+    focus(id);
+  }
+
+  function focus(id) {
+    const node = drawing.find(id);
+    node?.focus({ preventScroll: true });
+  }
+
+  // Connections.
+
+  const ends = new Ends(told, drawing);
+  const reconnect = (from, to) => connect(from, to, told.connections);
+  const goOn = (one, other) => reconnect(...(one.way === "out" ? [one, other] : [other, one]));
+
+  async function connectTo(port) {
+    const title = port.remote ? "Call a service" : port.way === "out" ? "Connect to" : "Read";
+    pick(title, port.address, await ends.fitting(port), (end) => goOn(port, end));
+  }
+
+  async function moveAway(one) {
+    const from = ends.source(one);
+    const others = (await ends.fitting(from)).filter((end) => end.address !== one.in);
+    pick("Move to", one.in, others, (end) => move(one, from, end, told.connections));
+  }
+
+  const ofConnection = (one) => [
+    one.kind === "port" && ["Change policy or middleware…", () => change(one, ends.source(one), ends.reader(one))],
+    ["Move to another end…", () => moveAway(one)],
+    ["Disconnect…", () => disconnect(one), { danger: true }],
+  ];
+
+  /** The menu of whatever has this key. */
+  function openMenu(id, at) {
+    const back = drawing.find(id);
+    const box = back?.getBoundingClientRect();
+    const where = at ?? { x: box.x + Math.min(box.width, 200) / 2, y: box.y + box.height / 2 };
+    const all = told.middlewares.map((one) => one.name);
+    if (id.startsWith("edge ")) {
+      const one = drawing.edges.get(id.slice(5));
+      if (!one) return;
+      const label = [about(one), rateOf(one)].filter(Boolean).join(", ");
+      if (one.list.length === 1) {
+        menu(where, label, [label, ...(mayWire && !one.foreign ? ofConnection(one.list[0]) : [])], back);
+      } else {
+        const each = one.list.slice(0, 12).map((single) =>
+          [`${single.out} → ${single.in}`, () => mayWire ? menu(where, single.in, [`${single.out} → ${single.in}`, ...ofConnection(single)], back) : goTo(single.in)]);
+        menu(where, label, [label, ...each], back);
+      }
+      return;
     }
-    const backends = [...new Set(connections.map((one) => one.backend ?? "local"))].sort();
-    put(key, backends.map((backend) => el("li", {}, el("span", { class: `key ${color(backend)}` }), name(backend))));
-    if (!moved) fit();
-    if (focused) canvas.querySelector(`[data-key="${CSS.escape(focused)}"]`)?.focus();
-    put(status, `${components.length} components, ${connections.length} connections`);
-  }
-
-  function nodeOf(one, its) {
-    const { x, y } = places.get(one.name);
-    const height = heightOf(Math.max(its.in.length, its.out.length));
-    const title = svg("a", { href: pageOf(one.name), "data-within": true, "data-key": `c ${one.name}` },
-      svg("text", { x: 12, y: 22, class: "what" }, short(visible(one.name, 60), 22)), svg("title", {}, one.name));
-    const node = svg("g", { class: `component${one.state === "running" ? "" : " bad"}`, transform: `translate(${x} ${y})`, "data-node": one.name },
-      svg("rect", { width: WIDTH, height, rx: 10 }), title,
-      one.state !== "running" && svg("text", { x: WIDTH - 12, y: 22, class: "state" }, short(one.state, 10)),
-      svg("line", { x1: 0, x2: WIDTH, y1: TITLE - 3, y2: TITLE - 3 }));
-    for (const [direction, list] of Object.entries(its)) {
-      list.forEach((port, at) => node.append(portOf(port, direction, x, y, at)));
+    const row = drawing.ports.get(id);
+    if (row) {
+      const { port } = row;
+      const { component, port: own } = parts(port.address);
+      const now = ends.of(port);
+      menu(where, port.address, [`${port.address}${port.type ? `, ${port.type.replace(/^::/, "")}` : ""}`,
+        mayWire && (!port.foreign || port.way === "out") && [port.way === "in" && !port.remote ? "Read an out port…" : port.remote ? "Call a service…" : "Connect to…", () => connectTo(port)],
+        ...(mayWire && now ? ofConnection(now) : []),
+        mayWire && !port.foreign && !port.remote && !port.service && ["Move to another middleware…", () => moveTo(component, own, port.backend, all)],
+        !port.foreign && ["Open its component", () => goTo(port.address)]], back);
+      return;
     }
-    nodes.set(one.name, node);
-    return node;
+    const node = drawing.nodes.get(id.replace(/^fold /, ""));
+    if (!node) return;
+    menu(where, node.name, [node.name,
+      node.kind === "component" && ["Open its page", () => goTo(node.name)],
+      ["Only this and its neighbours", () => { find.value = node.name; find.dispatchEvent(new Event("input")); }],
+      node.kind !== "peer" && [node.folded ? "Unfold" : "Fold", () => fold(node.id, !node.folded)],
+      node.component?.cell && ["Fold its cell", () => fold(`cell ${node.component.cell}`, true)],
+      mayWire && node.component && ["Move to another middleware…", () => moveTo(node.name, undefined, node.component.backend, all)]], back);
   }
 
-  function portOf(port, direction, x, y, at) {
-    const out = direction === "out";
-    const middle = TITLE + at * ROW + ROW / 2;
-    const edge = out ? WIDTH : 0;
-    anchors.set(port.address, { x: x + edge, y: y + middle });
-    const own = port.address.split("/").slice(1).join("/");
-    const label = port.remote ? `remote ${port.address}` : `${direction} port ${port.address}, type ${port.type}`;
-    const made = svg("g", { class: `port ${direction}${port.remote ? " remote" : ""}`, tabindex: 0, role: "button", "aria-label": label,
-      "data-port": port.address, "data-direction": direction, "data-digest": port.digest, "data-key": `p ${port.address}` },
-    svg("title", {}, label),
-    svg("rect", { class: "hit", x: out ? WIDTH / 2 : 0, y: middle - ROW / 2, width: WIDTH / 2, height: ROW }),
-    svg("circle", { cx: edge, cy: middle, r: 6, class: color(middlewares(port.backend)[0]) }),
-    svg("text", { x: out ? WIDTH - 13 : 13, y: middle + 4, "text-anchor": out ? "end" : "start" }, short(visible(own, 60), 15)));
-    made.addEventListener("keydown", (event) => portKey(event, port, direction));
-    if (out && context.may("wire")) made.addEventListener("pointerdown", (event) => begin(event, port));
-    if (!out) made.addEventListener("click", () => picked ? choose(port) : look(port));
-    return made;
+  function goTo(address) {
+    history.pushState(null, "", pageOf(parts(address).component));
+    dispatchEvent(new PopStateEvent("popstate"));
   }
 
-  function edgeOf(one) {
-    // The service of a remote has no place of its own: the edge ends at its component.
-    const from = anchors.get(one.out) ?? titleOf(parts(one.out).component);
-    const to = anchors.get(one.in);
-    if (!from || !to) return null;
-    const d = curve(from, to);
-    const level = to.x < from.x + 20 ? below(from, to) : (from.y + to.y) / 2;
-    const rate = svg("text", { x: (from.x + to.x) / 2, y: level - 6, class: "rate" });
-    rates.set(one.in, rate);
-    const label = `connection from ${one.out} to ${one.in}, ${one.backend ?? "same daemon"}${one.policy ? `, ${one.policy}` : ""}`;
-    const open = (event) => {
-      event.preventDefault();
-      disconnect(one);
-    };
-    const made = svg("g", { class: `edge ${one.kind} ${color(one.backend ?? "local")}`, tabindex: 0, role: "button", "aria-label": label,
-      "data-edge": one.in, "data-key": `e ${one.in}` },
-    svg("title", {}, label), svg("path", { d, class: "hit" }), svg("path", { d, class: "line" }), rate);
-    made.addEventListener("click", open);
-    made.addEventListener("contextmenu", open);
-    made.addEventListener("keydown", (event) => ["Enter", " ", "Delete"].includes(event.key) && open(event));
-    return made;
-  }
+  // Choosing ends.
 
-  const titleOf = (id) => places.has(id) && { x: places.get(id).x + WIDTH, y: places.get(id).y + TITLE / 2 };
-
-  /** How low a way against the flow goes: below both of its components. */
-  function below(from, to) {
-    const ends = [...places].filter(([, { x }]) => x === to.x || x + WIDTH === from.x)
-      .map(([id, { y }]) => y + heightOf(nodeRows.get(id)));
-    const near = ends.filter((bottom) => bottom > Math.min(from.y, to.y)).sort((one, other) => one - other);
-    return Math.max(from.y, to.y, near[0] ?? 0, near.at(-1) < Math.max(from.y, to.y) + 200 ? near.at(-1) : 0) + 34;
-  }
-
-  function curve(from, to) {
-    if (to.x < from.x + 20) {
-      const low = below(from, to);
-      return `M${from.x} ${from.y} C${from.x + 80} ${from.y} ${from.x + 80} ${low} ${from.x} ${low}`
-        + ` L${to.x} ${low} C${to.x - 80} ${low} ${to.x - 80} ${to.y} ${to.x} ${to.y}`;
-    }
-    const bend = Math.max(50, Math.abs(to.x - from.x) / 2);
-    return `M${from.x} ${from.y} C${from.x + bend} ${from.y} ${to.x - bend} ${to.y} ${to.x} ${to.y}`;
-  }
-
-  // Rates, as differences of counters.
-  const history = new Map();
-  function drawRates() {
-    const now = performance.now();
-    for (const port of ports) {
-      const samples = port.traffic?.samples;
-      if (samples === undefined) continue;
-      const past = (history.get(port.address) ?? []).filter(([at]) => now - at < 3000);
-      past.push([now, samples]);
-      history.set(port.address, past);
-    }
-    for (const one of connections) {
-      const past = history.get(one.out) ?? history.get(one.in);
-      const text = rates.get(one.in);
-      if (!text || !past || past.length < 2) continue;
-      const [[begin, first], [end, last]] = [past[0], past.at(-1)];
-      if (end - begin > 400) put(text, frequency(1000 * Math.max(0, last - first) / (end - begin)));
-    }
-  }
-
-  // Dragging.
-  const point = (event) => {
-    const box = canvas.getBoundingClientRect();
-    const scale = Math.max(view.width / box.width, view.height / box.height);
-    return {
-      x: view.x + view.width / 2 + (event.clientX - box.left - box.width / 2) * scale,
-      y: view.y + view.height / 2 + (event.clientY - box.top - box.height / 2) * scale,
-    };
-  };
-
-  function begin(event, port) {
-    if (event.button !== 0) return;
-    event.preventDefault();
-    event.stopPropagation();
-    const from = anchors.get(port.address);
-    mark(port);
-    const move = (now) => {
-      drag.removeAttribute("hidden");
-      const to = point(now);
-      drag.setAttribute("d", `M${from.x} ${from.y} L${to.x} ${to.y}`);
-    };
-    const end = (now) => {
-      removeEventListener("pointermove", move);
-      removeEventListener("pointerup", end);
-      removeEventListener("pointercancel", end);
-      drag.setAttribute("hidden", "");
-      unmark();
-      const at = now.type === "pointerup" && document.elementFromPoint(now.clientX, now.clientY)?.closest?.("[data-port]");
-      if (at && at.dataset.direction === "in") connect(port.address, at.dataset.port);
-    };
-    addEventListener("pointermove", move);
-    addEventListener("pointerup", end);
-    addEventListener("pointercancel", end);
-  }
-
-  /** Shows which in ports have the type of this out port. */
+  /** Shows which ends fit this one. */
   function mark(port) {
-    for (const one of nodesLayer.querySelectorAll(".port.in")) {
-      one.classList.add(one.dataset.digest === port.digest ? "fits" : "unfit");
+    for (const { port: other } of drawing.ports.values()) {
+      const fits = port.remote ? other.service : isEnd(other);
+      if (!fits) continue;
+      const [from, to] = ordered(port, other);
+      drawing.find(other.key)?.classList.add(mismatch(from, to) ? "unfit" : "fits");
     }
+    drawing.find(port.key)?.classList.add("picked");
   }
   function unmark() {
-    for (const one of nodesLayer.querySelectorAll(".fits, .unfit")) one.classList.remove("fits", "unfit");
-    for (const one of nodesLayer.querySelectorAll(".picked")) one.classList.remove("picked");
-  }
-
-  // The keyboard.
-  function portKey(event, port, direction) {
-    if (event.key === "Escape" && picked) {
-      picked = null;
-      unmark();
-      put(status, "Nothing is chosen.");
-    }
-    if (event.key === "Delete" && direction === "in") return look(port);
-    if (event.key !== "Enter" && event.key !== " ") return;
-    event.preventDefault();
-    if (direction === "out") {
-      if (!context.may("wire")) return;
-      unmark();
-      picked = port;
-      mark(port);
-      event.currentTarget.classList.add("picked");
-      put(status, name(port.address), " is chosen: press Enter on an in port, or Escape.");
-    } else if (picked) {
-      choose(port);
-    } else {
-      look(port);
-    }
+    for (const one of canvas.querySelectorAll(".fits, .unfit, .picked")) one.classList.remove("fits", "unfit", "picked");
   }
 
   function choose(port) {
-    const from = picked;
+    if (picked && (isEnd(port) || (picked.remote && port.service))) {
+      const [from, to] = ordered(picked, port);
+      drop();
+      return reconnect(from, to);
+    }
+    if (!mayWire || !isStart(port)) return look(port);
+    drop();
+    picked = port;
+    mark(port);
+    put(status, name(port.address), ` is chosen: press Enter on ${port.remote ? "a service" : "an in port"}, or Escape.`);
+  }
+
+  function drop() {
     picked = null;
     unmark();
-    connect(from.address, port.address);
   }
 
-  /** What an in port or a remote is connected to, with the way to remove it. */
   function look(port) {
-    const found = connections.find((one) => one.in === port.address);
-    if (found) disconnect(found);
-    else put(status, name(port.address), " is not connected. Choose an out port first.");
+    const now = ends.of(port);
+    if (now && mayWire) return openMenu(port.key);
+    put(status, name(port.address), now ? [" reads ", name(now.out)] : port.way === "in" ? " is not connected." : "",
+      mayWire && !now && port.way === "in" ? " Choose an out port first." : "");
   }
 
-  // Dialogs.
-  function ask(title, fields, verb, act) {
-    const problem = el("p", { class: "error", role: "alert" });
-    const dialog = el("dialog", { "aria-labelledby": "dialog-title" },
-      el("form", { method: "dialog" }, el("h2", { id: "dialog-title" }, title), fields, problem,
-        el("div", { class: "row" }, el("button", { type: "submit", class: "main" }, verb),
-          el("button", { type: "button", onclick: () => dialog.close() }, "Cancel"))));
-    dialog.querySelector("form").addEventListener("submit", async (event) => {
-      event.preventDefault();
-      put(problem);
-      try {
-        await act();
-        dialog.close();
-      } catch (error) {
-        put(problem, told(error));
+  pointer(canvas, view, line, {
+    begin(id, event) {
+      if (!mayWire) return undefined;
+      const port = ends.at(id);
+      if (port && isStart(port) && !port.remote) {
+        dragged = { port };
+        return { at: drawing.anchor(id) };
       }
-    });
-    dialog.addEventListener("close", () => dialog.remove());
-    page.append(dialog);
-    dialog.showModal();
-  }
-
-  function connect(from, to) {
-    const policy = el("select", { id: "policy" }, ["latest", "queue", "ring"].map((one) => el("option", { value: one }, one)));
-    const size = el("input", { id: "size", type: "number", min: 1, max: 65536, value: "10" });
-    const sized = el("div", { class: "field", hidden: true }, el("label", { for: "size" }, "Samples kept"), size);
-    policy.addEventListener("change", () => { sized.hidden = policy.value === "latest"; });
-    const backend = el("input", { id: "backend", type: "text", autocomplete: "off", placeholder: "that of the out port" });
-    const fields = [
-      el("p", {}, name(from), " → ", name(to)),
-      el("div", { class: "field" }, el("label", { for: "policy" }, "Policy"), policy, el("span", { class: "help" }, "which unread samples the reader gets")),
-      sized,
-      el("div", { class: "field" }, el("label", { for: "backend" }, "Middleware"), backend),
-    ];
-    ask("Connect", fields, "Connect", async () => {
-      const request = { in: to, out: from, policy: policy.value === "latest" ? "latest" : `${policy.value}:${size.value}` };
-      if (backend.value.trim()) request.backend = backend.value.trim();
-      await post("/connections", JSON.stringify(request));
-      note(`${to} reads ${from}`);
-    });
-  }
-
-  function disconnect(one) {
-    const about = [el("p", {}, name(one.out), " → ", name(one.in)),
-      el("p", { class: "soft" }, [one.backend ?? "same daemon", one.policy].filter(Boolean).join(", "))];
-    if (!context.may("wire")) return put(status, `${visible(one.out)} → ${visible(one.in)}`);
-    ask("Disconnect", about, "Disconnect", async () => {
-      const { component, port, element } = parts(one.in);
-      await remove(path("connections", component, port, ...(element ? [element] : [])));
-      note(`${one.in} is disconnected`);
-    });
-  }
-
-  // The view.
-  function fit() {
-    const all = [...places].map(([id, { x, y }]) => ({ x, y, bottom: y + nodes.get(id).firstChild.height.baseVal.value }));
-    if (all.length === 0) return;
-    const x = Math.min(...all.map((one) => one.x)) - 90;
-    const y = Math.min(...all.map((one) => one.y)) - 30;
-    const box = canvas.getBoundingClientRect();
-    const width = Math.max(...all.map((one) => one.x + WIDTH)) - x + 90;
-    const height = Math.max(...all.map((one) => one.bottom)) - y + 60;
-    // Few components are not blown up.
-    const scale = Math.max(width / box.width, height / box.height, 0.9);
-    const [wide, high] = [box.width * scale, box.height * scale];
-    show({ x: x - (wide - width) / 2, y: y - (high - height) / 2, width: wide, height: high });
-  }
-  function show(next) {
-    view = next;
-    canvas.setAttribute("viewBox", `${view.x} ${view.y} ${view.width} ${view.height}`);
-  }
-  function zoom(by, around = { x: view?.x + view?.width / 2, y: view?.y + view?.height / 2 }) {
-    if (!view || view.width * by > 60000 || view.width * by < 120) return;
-    moved = true;
-    show({ x: around.x - (around.x - view.x) * by, y: around.y - (around.y - view.y) * by, width: view.width * by, height: view.height * by });
-  }
-  canvas.addEventListener("wheel", (event) => {
-    if (!event.ctrlKey && !event.metaKey) return;
-    event.preventDefault();
-    zoom(event.deltaY > 0 ? 1.12 : 0.89, point(event));
-  }, { passive: false });
-  canvas.addEventListener("pointerdown", (event) => {
-    if (event.target !== canvas || !view) return;
-    const start = { ...view };
-    const scale = view.width / canvas.getBoundingClientRect().width;
-    moved = true;
-    const move = (now) => show({ ...start, x: start.x - (now.clientX - event.clientX) * scale, y: start.y - (now.clientY - event.clientY) * scale });
-    const end = () => {
-      removeEventListener("pointermove", move);
-      removeEventListener("pointerup", end);
-    };
-    addEventListener("pointermove", move);
-    addEventListener("pointerup", end);
+      // An end that is connected comes off: of its connection, or of its in port.
+      const edge = id.startsWith("edge ") && drawing.edges.get(id.slice(5));
+      const one = edge ? !edge.foreign && edge.list.length === 1 && edge.list[0] : port && ends.of(port);
+      if (one && (!edge || nearEnd(event, edge))) {
+        dragged = { port: ends.source(one), moved: one };
+        const from = drawing.anchor(`${one.kind === "service" ? "service" : "out"} ${one.out}`);
+        return { at: from ?? view.point(event) };
+      }
+      if (!port?.remote) return undefined;
+      dragged = { port };
+      return { at: drawing.anchor(id) };
+    },
+    over(id) {
+      if (id === undefined) return mark(dragged.port);
+      const other = ends.at(id);
+      const [from, to] = other ? ordered(dragged.port, other) : [];
+      const why = other && (isEnd(other) || other.service) && mismatch(from, to);
+      put(status, why ? el("span", { class: "bad" }, why) : other ? [name(dragged.port.address), " → ", name(other.address)] : "");
+    },
+    drop(id) {
+      const { port, moved } = dragged ?? {};
+      dragged = null;
+      later();
+      unmark();
+      const other = id && ends.at(id);
+      const node = id && (drawing.ports.get(id)?.node ?? drawing.nodes.get(id.replace(/^fold /, "")));
+      // A remote may be dropped on a service, or anywhere on the component that has it.
+      const remote = port?.remote ? port : moved?.kind === "service" ? ends.reader(moved) : undefined;
+      if (remote && other?.service) return reconnect(other, remote);
+      if (remote && !other?.remote && node?.component) return callOf(node.name, remote);
+      if (!other || !port || !isEnd(other)) return undefined;
+      const [from, to] = ordered(port, other);
+      return moved ? move(moved, from, to, told.connections) : reconnect(from, to);
+    },
+    click(id, event) {
+      const port = ends.at(id);
+      if (id.startsWith("edge ")) openMenu(id, { x: event.clientX, y: event.clientY });
+      else if (id.startsWith("fold ")) fold(id.slice(5), !drawing.nodes.get(id.slice(5)).folded);
+      else if (port) picked || port.way === "in" ? choose(port) : look(port);
+      else if (drawing.nodes.get(id)?.kind !== "component") openMenu(id, { x: event.clientX, y: event.clientY });
+    },
+    menu: openMenu,
   });
 
-  const good = (take) => (body, status_) => status_ === 200 && take(body);
+  async function callOf(component, remote) {
+    pick("Call a service", remote.address, likely(remote, await servicesOf(component)), (service) => reconnect(service, remote));
+  }
+
+  function nearEnd(event, edge) {
+    const at = view.point(event);
+    const far = ({ node, port }, side) => {
+      const box = drawing.place(node);
+      const end = drawing.anchor(port) ?? { x: box.x + (side === "out" ? box.width : 0), y: box.y + box.height / 2 };
+      return Math.hypot(end.x - at.x, end.y - at.y);
+    };
+    return far(edge.to, "in") < far(edge.from, "out");
+  }
+
+  canvas.addEventListener("keydown", (event) => {
+    const id = event.target.closest("[data-key]")?.dataset.key;
+    if (!id || event.ctrlKey || event.metaKey || event.altKey) return;
+    const port = ends.at(id);
+    const edge = id.startsWith("edge ") && drawing.edges.get(id.slice(5));
+    const now = edge ? edge.list.length === 1 && !edge.foreign && edge.list[0] : port && ends.of(port);
+    if (event.key === "Escape" && picked) {
+      drop();
+      put(status, "Nothing is chosen.");
+    } else if (event.key.startsWith("Arrow")) {
+      const to = next(id, event.key, drawing);
+      if (to) walk(to);
+    } else if (event.key === "Delete" && now && mayWire) {
+      disconnect(now);
+    } else if (event.key === "ContextMenu" || event.key === "m" || event.key === "M" || (event.key === "F10" && event.shiftKey)) {
+      openMenu(id);
+    } else if (event.key === "Enter" || event.key === " ") {
+      if (port) choose(port);
+      else if (id.startsWith("fold ")) fold(id.slice(5), !drawing.nodes.get(id.slice(5)).folded);
+      else if (edge || drawing.nodes.get(id)?.kind !== "component") openMenu(id);
+      else return;
+    } else {
+      return;
+    }
+    event.preventDefault();
+  });
+
+  function walk(to) {
+    focus(to);
+    const at = drawing.anchor(to);
+    const box = at ? { x: at.x - 100, y: at.y - 20, width: 200, height: 40 } : drawing.place(to);
+    if (box) view.reveal(box);
+  }
+
+  canvas.addEventListener("pointerover", (event) => drawing.light(event.target.closest?.("[data-id]")?.dataset.id));
+  canvas.addEventListener("pointerleave", () => drawing.light(undefined));
+  canvas.addEventListener("focusin", (event) => drawing.light(event.target.closest("[data-id]")?.dataset.id));
+  const resized = new ResizeObserver(() => {
+    view.resize();
+    shape = "";
+    later();
+  });
+  resized.observe(canvas);
+
+  // What the daemon tells.
+
+  async function lookAround() {
+    if (!document.hidden && !stopped) {
+      try {
+        told.middlewares = (await get("/middlewares?visible=true")).middlewares;
+        later();
+      } catch {
+        // The live stream says when the daemon is away.
+      }
+    }
+    if (!stopped && context.stillShown()) looking = setTimeout(lookAround, LOOKS);
+  }
+  let looking = setTimeout(lookAround, 0);
+
+  const good = (take) => (body, code) => {
+    if (code !== 200) return;
+    take(body);
+    later();
+  };
   context.watch([
-    { path: "/components", take: good((body) => { components = body.components; draw(); }) },
-    { path: "/connections", take: good((body) => { connections = body.connections; draw(); }) },
-    { path: "/ports?values=false", take: good((body) => { ports = body.ports; draw(); }) },
+    { path: "/components", take: good((body) => {
+      told.components = body.components;
+      numbers = new Map(body.components.map((one) => [one.name, one.activities]));
+    }) },
+    { path: "/connections", take: good((body) => { told.connections = body.connections; }) },
+    { path: "/ports?values=false", take: good((body) => {
+      told.ports = body.ports;
+      rates.take(body.ports);
+    }) },
   ], 4);
+  return () => {
+    stopped = true;
+    clearTimeout(looking);
+    resized.disconnect();
+    closeMenu();
+  };
 }

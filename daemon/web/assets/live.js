@@ -15,12 +15,15 @@ export class Live {
   #closed = false;
   #wasAway = false;
   #tell;
+  #read = new Set();
+  #complete = false;
   #seen = () => this.#seeing();
 
   /**
    * `watched`: `{ path, take(body, status) }` for what is read, `{ path, hear(data, kind) }` for
    * streams. `tell(state)` hears "live", "away", "back" (after it was away: what the page shows may
-   * be of another daemon) and "over" (the session has ended).
+   * be of another daemon), "values" (the first reading of everything is there) and "over" (the
+   * session has ended).
    */
   constructor(watched, tell, rate = 10) {
     this.#watched = watched;
@@ -89,6 +92,14 @@ export class Live {
     }
     if (told.told !== undefined) one?.hear?.(told.told, told.kind, told.id);
     else one?.take?.(told.body, told.status);
+    if (!this.#complete) this.#count(told.watch);
+  }
+
+  #count(watch) {
+    this.#read.add(watch);
+    if (this.#watched.some((one, at) => one.take && !this.#read.has(at))) return;
+    this.#complete = true;
+    this.#tell("values");
   }
 
   async #lost() {

@@ -93,6 +93,8 @@ function context(turnOfPage) {
 
 function hear(what, count) {
   if (what === "live") state("live", "good");
+  // What the page shows is complete with the next frame: programs that measure read this.
+  if (what === "values") requestAnimationFrame(() => performance.mark("shown"));
   if (what === "skipped") state(`live, ${count} readings skipped`, "warn");
   if (what === "away") state("daemon away, trying again", "bad");
   if (what === "back") show();

@@ -25,7 +25,7 @@ export function glance(number) {
   return size !== 0 && (size < 1e-3 || size >= 1e7) ? number.toExponential(3) : number.toPrecision(5);
 }
 
-export const frequency = (hertz) => `${hertz >= 100 ? hertz.toFixed(0) : hertz.toPrecision(3)} Hz`;
+export const frequency = (hertz) => `${hertz >= 100 || hertz === 0 ? hertz.toFixed(0) : hertz.toPrecision(3)} Hz`;
 
 export const count = (number) => number.toLocaleString("en");
 
@@ -34,5 +34,5 @@ export function exception(name) {
   return String(name).replace(/^::/, "");
 }
 
-/** Names of middlewares: one, or several. */
-export const middlewares = (backend) => [backend ?? []].flat();
+/** Names of middlewares: one, or several, as shm+zenoh. */
+export const middlewares = (backend) => [backend ?? []].flat().flatMap((names) => names.split("+"));

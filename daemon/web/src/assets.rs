@@ -15,6 +15,7 @@ struct Asset {
     content: &'static str,
 }
 
+const INDEX: &str = include_str!("../assets/index.html");
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
 macro_rules! assets {
@@ -44,14 +45,41 @@ const ALL: &[Asset] = assets! {
     "port.js" SCRIPT;
     "plot.js" SCRIPT;
     "graph.js" SCRIPT;
+    "scene.js" SCRIPT;
+    "peers.js" SCRIPT;
+    "drawing.js" SCRIPT;
     "layout.js" SCRIPT;
+    "level.js" SCRIPT;
+    "wires.js" SCRIPT;
+    "view.js" SCRIPT;
+    "gestures.js" SCRIPT;
+    "ends.js" SCRIPT;
+    "rates.js" SCRIPT;
+    "wiring.js" SCRIPT;
+    "dialog.js" SCRIPT;
+    "menu.js" SCRIPT;
     "logs.js" SCRIPT;
 };
 
-/// Tells of each file whether a browser has it already.
-static TAGS: LazyLock<Vec<String>> = LazyLock::new(|| {
-    ALL.iter().map(|one| format!("\"{}\"", secret::digest(one.content))).collect()
+/// The page, which names all modules: a browser would find them only one after the other, each
+/// where another one imports it.
+static PAGE: LazyLock<String> = LazyLock::new(|| {
+    let modules = ALL.iter().filter(|one| one.media == SCRIPT);
+    let links =
+        modules.map(|one| format!("<link rel=\"modulepreload\" href=\"/assets/{}\">\n", one.name));
+    let (head, rest) = INDEX.split_once("</head>").unwrap_or((INDEX, ""));
+    format!("{head}{}</head>{rest}", links.collect::<String>())
 });
+
+/// Tells of each file whether a browser has it already.
+static TAGS: LazyLock<Vec<String>> =
+    LazyLock::new(|| ALL.iter().map(|one| format!("\"{}\"", secret::digest(one.text()))).collect());
+
+impl Asset {
+    fn text(&self) -> &'static str {
+        if self.content == INDEX { &PAGE } else { self.content }
+    }
+}
 
 /// The page that all addresses of the console show.
 pub(crate) async fn page(headers: HeaderMap) -> Response {
@@ -70,7 +98,7 @@ fn of(name: &str, headers: &HeaderMap) -> Response {
     if headers.get(header::IF_NONE_MATCH).is_some_and(|known| known == tag.as_str()) {
         return (StatusCode::NOT_MODIFIED, about).into_response();
     }
-    (about, [(header::CONTENT_TYPE, asset.media)], asset.content).into_response()
+    (about, [(header::CONTENT_TYPE, asset.media)], asset.text()).into_response()
 }
 
 #[cfg(test)]
@@ -90,6 +118,15 @@ mod tests {
         assert_eq!(there, served);
         let size: usize = ALL.iter().map(|one| one.content.len()).sum();
         assert!(size < 400_000, "{size} bytes");
+    }
+
+    #[test]
+    fn the_page_names_each_module_once() {
+        for one in ALL.iter().filter(|one| one.media == SCRIPT) {
+            let link = format!("<link rel=\"modulepreload\" href=\"/assets/{}\">", one.name);
+            assert_eq!(PAGE.matches(&link).count(), 1, "{}", one.name);
+        }
+        assert!(PAGE.ends_with("</html>\n"));
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! The web console: who may come in, what its pages show, and what they do.
 
 mod access;
+mod crowd;
+mod foreign;
 mod graph;
 mod pages;
 mod sessions;
