@@ -37,7 +37,7 @@ export function ports(component, context, changed) {
     row.open = !row.open;
     row.button.setAttribute("aria-expanded", String(row.open));
     if (row.open) {
-      row.value = el("pre", { class: "value", tabindex: 0, "aria-label": `Value of ${port.address}` }, "no value yet");
+      row.value = el("pre", { class: "value", tabindex: 0, role: "group", "aria-label": `Value of ${port.address}` }, "no value yet");
       row.plot = new Plot(port.address);
       row.detail = el("tr", { class: "detail", "data-detail": port.address }, el("td", { colspan: 6 },
         port.doc && el("p", { class: "doc" }, port.doc),

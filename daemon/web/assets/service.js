@@ -36,7 +36,7 @@ export function service(component, described, context, open) {
   const box = el("details", { class: `card service ${described.kind}`, "data-service": described.name, open },
     head,
     described.doc && el("p", { class: "doc" }, described.doc),
-    el("div", { class: "work" }, machine && el("div", { class: "wide" }, machine.node), el("div", {}, form, list)),
+    el("div", { class: "work" }, machine && el("div", { class: "wide", tabindex: 0, role: "group", "aria-label": `States of ${described.name}` }, machine.node), el("div", {}, form, list)),
     facts(described));
 
   async function fill() {

@@ -1,6 +1,7 @@
 //! The web console: who may come in, what its pages show, and what they do.
 
 mod access;
+mod accessible;
 mod crowd;
 mod foreign;
 mod graph;
