@@ -6,6 +6,7 @@ mod crowd;
 mod foreign;
 mod graph;
 mod pages;
+mod pictures;
 mod sessions;
 mod stream;
 mod visitor;
