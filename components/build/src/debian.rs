@@ -61,6 +61,74 @@ pub fn spin() -> Result<PathBuf, BuildError> {
     Ok(made_once("spin", |place| unpack(place, "spin", &["spin"]))?.join("usr/bin/spin"))
 }
 
+/// Cyclone DDS for programs in C and C++, and the libraries that it loads.
+const CYCLONEDDS: [&str; 8] = [
+    "cyclonedds-dev",
+    "cyclonedds-tools",
+    "libcycloneddsidl0",
+    "libddsc0debian",
+    "libiceoryx-binding-c2",
+    "libiceoryx-hoofs2",
+    "libiceoryx-platform2",
+    "libiceoryx-posh2",
+];
+
+/// Cyclone DDS in C, a peer that is not genomd, from Debian's packages.
+#[derive(Clone, Debug)]
+pub struct CycloneDds {
+    usr: PathBuf,
+}
+
+impl CycloneDds {
+    /// Unpacks it where it was not unpacked before.
+    ///
+    /// # Errors
+    /// It cannot be fetched, for instance because this is no Debian.
+    pub fn get() -> Result<Self, BuildError> {
+        let place = made_once("cyclonedds", |place| unpack(place, "cyclonedds", &CYCLONEDDS))?;
+        Ok(Self { usr: place.join("usr") })
+    }
+
+    /// The directory of its libraries, for `LD_LIBRARY_PATH`.
+    #[must_use]
+    pub fn libraries(&self) -> PathBuf {
+        self.usr.join(multiarch("lib"))
+    }
+
+    /// Builds a program in C++, with the types of an IDL file beside it, in the directory `to`.
+    ///
+    /// # Errors
+    /// A compiler says why.
+    pub fn program(&self, source: &Path, types: &Path, to: &Path) -> Result<PathBuf, BuildError> {
+        let libraries = self.libraries();
+        let idlc = self.usr.join("bin/idlc");
+        run(Command::new(idlc).arg(types).current_dir(to).env("LD_LIBRARY_PATH", &libraries))?;
+        let include = |directory: &Path| format!("-I{}", directory.display());
+        let includes = [
+            include(&self.usr.join("include")),
+            include(&self.usr.join(multiarch("include"))),
+            include(to),
+        ];
+        let generated = to.join(types.with_extension("c").file_name().unwrap_or_default());
+        let (object, program) = (generated.with_extension("o"), to.join("program"));
+        run(Command::new("cc").args(&includes).arg("-c").arg(generated).arg("-o").arg(&object))?;
+        run(Command::new("c++")
+            .args(&includes)
+            .args([source, &object])
+            .arg("-o")
+            .arg(&program)
+            .arg(format!("-L{}", libraries.display()))
+            .arg(format!("-Wl,-rpath-link,{}", libraries.display()))
+            .arg("-lddsc"))?;
+        Ok(program)
+    }
+}
+
+/// Debian's directory for this architecture, below `lib` or `include`.
+fn multiarch(directory: &str) -> String {
+    format!("{directory}/{}-linux-gnu", std::env::consts::ARCH)
+}
+
 /// Fetches packages with the lists of an own apt, which needs no rights, and unpacks them.
 fn unpack(place: &Path, name: &str, packages: &[&str]) -> Result<(), BuildError> {
     let paths = Paths::of_workspace()?;
@@ -119,7 +187,7 @@ fn relocate(place: &Path) -> io::Result<()> {
             symlink(format!("{name}-1.16"), link)?;
         }
     }
-    let libraries = format!("usr/lib/{}-linux-gnu", std::env::consts::ARCH);
+    let libraries = format!("usr/{}", multiarch("lib"));
     for name in ["m4", "pkgconf"] {
         let (program, real) = (bin.join(name), bin.join(format!("{name}.real")));
         fs::rename(&program, &real)?;

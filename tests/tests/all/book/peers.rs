@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use genom_components::debian::CycloneDds;
 use genom_components::{python, ros2};
 use genom_tests::{Daemon, Memory, Running, path, repository};
 
@@ -110,13 +111,33 @@ fn a_node_of_ros_in_python_drives_the_demo() {
 }
 
 #[test]
+fn a_program_in_cpp_with_nothing_but_dds_watches_the_demo() {
+    let daemon = Daemon::demo("ros2");
+    let memory = daemon.home().memory();
+    let scratch = tempfile::tempdir().unwrap();
+    let peer = CycloneDds::get().unwrap_or_else(|error| panic!("{error}"));
+    let (source, types) = (example("ros2/dds/watch.cc"), example("ros2/dds/state.idl"));
+    let program = peer.program(&source, &types, scratch.path()).unwrap();
+    let mut command = Command::new(program);
+    // The topic of the page, in the namespace of this test.
+    command.arg(format!("rt/{}/demo/position", memory.prefix().trim_end_matches('_')));
+    command.arg(memory.domain().to_string());
+    command.env("LD_LIBRARY_PATH", peer.libraries());
+    command.env("CYCLONEDDS_URI", format!("file://{}", path(&example("ros2/dds/loopback.xml"))));
+    let running = Running::start(&mut command);
+    let watching = running.line();
+    daemon.ctl(&["call", "demo", "goto", "goal=0.25"]).expect_code(0);
+    as_shown("ros2", "watch ", &[watching], running);
+}
+
+#[test]
 fn every_example_is_used() {
     let mut unused = Vec::new();
     let mut shown = String::new();
     for chapter in super::chapters() {
         shown.push_str(&fs::read_to_string(chapter).unwrap());
     }
-    for extension in ["py", "rs", "gen", "c", "cc", "toml"] {
+    for extension in ["py", "rs", "gen", "idl", "c", "cc", "toml", "xml"] {
         for file in genom_tests::files(extension) {
             let Ok(within) = file.strip_prefix(repository().join("docs/book/examples")) else {
                 continue;
