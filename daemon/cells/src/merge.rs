@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use genom_protocol::frames::{Channel, Channels};
 use genom_protocol::routes::Route;
 use genom_protocol::{
     AllAborted, BackendNames, CellState, Clock, Component, Components, Connections, PortParameters,
@@ -75,6 +76,18 @@ impl Cells {
     pub async fn join_connections(&self, own: &mut Connections) {
         let said = self.each(&routes::connections()).await;
         own.connections.extend(said.into_values().flat_map(|theirs| theirs.connections));
+    }
+
+    /// Adds the channels that recordings of all cells would have. Those of the daemon's own subjects
+    /// are there already.
+    pub async fn join_channels(&self, own: &mut Channels) {
+        let said = self.each(&routes::channels()).await;
+        for theirs in said.into_values().flat_map(|theirs| theirs.channels) {
+            if own.channels.iter().all(|known| known.topic != theirs.topic) {
+                let channel = u16::try_from(own.channels.len()).unwrap_or(u16::MAX);
+                own.channels.push(Channel { channel, ..theirs });
+            }
+        }
     }
 
     /// Asks all activities of all cells to stop.

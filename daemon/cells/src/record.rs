@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-use genom_protocol::frames::{Channel, End, Frame, Lost, Sample};
+use genom_protocol::frames::{Channel, EVENTS, End, Frame, Lost, Sample};
 use genom_protocol::{Address, RecordingRequest, Subject, routes};
 use http_body_util::BodyExt as _;
 use hyper::body::{Bytes, Incoming};
@@ -121,6 +121,7 @@ impl Cells {
         for cell in self.all() {
             let of_cell = |name: &&String| {
                 let component = match name.parse::<Subject>() {
+                    Ok(Subject::Component(name)) if name == EVENTS => return true,
                     Ok(Subject::Component(name)) => name,
                     Ok(Subject::Port(Address { component, .. })) => component,
                     Err(_) => return false,

@@ -135,6 +135,7 @@ impl Setup {
         config.rpc.socket = Some(place.socket());
         config.rpc.listen = None;
         config.web.listen = None;
+        config.foxglove.listen = None;
         config.rpc.tls = None;
         config.rpc.token_file = None;
         if let Some(middleware) = genom_gateway::middleware_of(name) {

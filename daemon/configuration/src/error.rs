@@ -37,6 +37,15 @@ pub enum UsageError {
     /// A value of `[web]`.
     #[error("web.{key} = {value}: {what}")]
     Web { key: &'static str, value: String, what: String },
+    /// `--foxglove` has an address that other machines can reach, without TLS or tokens.
+    #[error(
+        "{0} can be reached from outside: Foxglove needs TLS there, `cert` and `key` in section \
+         [rpc.tls] of the configuration, and tokens, rpc.token_file; or have it on 127.0.0.1 or [::1]"
+    )]
+    FoxgloveNoTls(SocketAddr),
+    /// A value of `[foxglove]`.
+    #[error("foxglove.{key} = {value}: {what}")]
+    Foxglove { key: &'static str, value: String, what: String },
     /// `rpc.max_connections` is 0: no client could connect, not even to stop the daemon.
     #[error("rpc.max_connections = 0: the daemon would answer nobody; one at least")]
     NoConnections,

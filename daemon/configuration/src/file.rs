@@ -16,6 +16,7 @@ use crate::blackbox::BlackBoxSection;
 use crate::cells::CellsSection;
 use crate::crashes::CrashesSection;
 use crate::error::{ConfigError, UsageError, WhichDaemon, message_of};
+use crate::foxglove::FoxgloveSection;
 use crate::gateways::GatewaysSection;
 use crate::levels;
 use crate::limits::CellLimits;
@@ -60,6 +61,8 @@ pub struct Config {
     pub rpc: Rpc,
     /// The web console.
     pub web: WebSection,
+    /// The live source for Foxglove.
+    pub foxglove: FoxgloveSection,
     /// Processes of their own for components.
     pub cells: CellsSection,
     /// Middlewares in processes of their own.
@@ -128,6 +131,7 @@ impl Default for Config {
             max_activities: ACTIVITY_LIMIT,
             rpc: Rpc::default(),
             web: WebSection::default(),
+            foxglove: FoxgloveSection::default(),
             cells: CellsSection::default(),
             gateways: GatewaysSection::default(),
             crashes: CrashesSection::default(),

@@ -11,6 +11,7 @@ mod cells;
 mod crashes;
 mod error;
 mod file;
+mod foxglove;
 mod gateways;
 pub mod levels;
 mod limits;
@@ -32,6 +33,7 @@ pub use error::{
     ConfigError, MOST_ACTIVITIES, NoCollector, NoLevel, NoPeriod, SetError, UsageError, WhichDaemon,
 };
 pub use file::{Config, MemoryCheck, Telemetry};
+pub use foxglove::FoxgloveSection;
 pub use gateways::GatewaysSection;
 pub use genom_protocol::{
     Act, BackendNames, CallEntry, ClockKind, Condition, ConnectionEntry, Deed, Deployment,

@@ -143,7 +143,8 @@ async fn talk<S>(
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEAD_TIMEOUT)
-        .serve_connection(TokioIo::new(Unstalled::new(stream)), service);
+        .serve_connection(TokioIo::new(Unstalled::new(stream)), service)
+        .with_upgrades();
     tokio::pin!(connection);
     let ended = tokio::select! {
         ended = connection.as_mut() => ended,

@@ -86,6 +86,13 @@ pub(crate) struct Cli {
         default_missing_value = "127.0.0.1:0"
     )]
     pub(crate) web: Option<SocketAddr>,
+    /// Serve Foxglove at this address, by default 127.0.0.1:8765, where it looks for a live source by
+    /// itself.
+    #[arg(
+        long, value_name = "ADDRESS:PORT", num_args = 0..=1, require_equals = true,
+        default_missing_value = "127.0.0.1:8765"
+    )]
+    pub(crate) foxglove: Option<SocketAddr>,
     /// File of tokens of clients at that address, with their rights; see configs/default.toml.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) token_file: Option<PathBuf>,
@@ -136,6 +143,7 @@ impl Cli {
         config.rpc.socket = self.socket.clone().or(config.rpc.socket);
         config.rpc.listen = self.listen.or(config.rpc.listen);
         config.web.listen = self.web.or(config.web.listen);
+        config.foxglove.listen = self.foxglove.or(config.foxglove.listen);
         config.rpc.token_file = self.token_file.clone().or(config.rpc.token_file);
         config
     }

@@ -9,6 +9,7 @@ mod check;
 mod cli;
 mod daemon;
 mod life;
+mod refusal;
 mod rpc;
 mod run;
 mod settings;

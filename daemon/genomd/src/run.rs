@@ -1,9 +1,8 @@
 //! A run of the daemon: open, load, serve, stop.
 
-use std::io::{self, Write as _};
+use std::io;
 use std::net::SocketAddr;
 use std::os::fd::OwnedFd;
-use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -12,7 +11,8 @@ use genom_configuration::{ConnectionEntry, LoadRequest, RpcSettings, Spot};
 use genom_doors::{
     Certificates, Desk, Door, Entrance, Listener, Log, Most, Socket, Tokens, acceptor, serve,
 };
-use genom_host::{KeptProcess, StandardError, keep_from_children, keep_off};
+use genom_foxglove::Foxglove;
+use genom_host::{KeptProcess, keep_from_children, keep_off};
 use genom_middleware::Middleware;
 use genom_protocol::{CellState, DeploymentRequest};
 use genom_supervisor::Supervisor;
@@ -28,53 +28,11 @@ use tokio::task::block_in_place;
 use crate::announcements;
 use crate::daemon::Daemon;
 use crate::life::Life;
+pub(crate) use crate::refusal::Refusal;
 use crate::rpc;
 use crate::settings::Settings;
 use crate::signals::{Signals, keep_process};
 use genom_cells::own as own_cell;
-
-/// Why the daemon failed, with its exit status.
-#[derive(Debug)]
-pub(crate) struct Refusal {
-    message: String,
-    status: u8,
-}
-
-impl Refusal {
-    /// Status 1: a component was refused.
-    pub(crate) fn component(error: impl std::fmt::Display) -> Self {
-        Self { message: error.to_string(), status: 1 }
-    }
-
-    /// Status 2: wrong usage or configuration.
-    pub(crate) fn usage(error: impl std::fmt::Display) -> Self {
-        Self { message: error.to_string(), status: 2 }
-    }
-
-    /// Status 3: the daemon's own socket or middleware could not be opened.
-    pub(crate) fn own(error: impl std::fmt::Display) -> Self {
-        Self { message: error.to_string(), status: 3 }
-    }
-
-    /// Status 4: it stopped, but a component was left behind.
-    fn left_behind(message: String) -> Self {
-        Self { message, status: 4 }
-    }
-
-    /// What it says.
-    pub(crate) fn message(&self) -> &str {
-        &self.message
-    }
-
-    /// Prints the message on standard error.
-    pub(crate) fn report(&self) -> ExitCode {
-        // Formatted diagnostics of a description begin with `error` themselves.
-        let prefix = if self.message.starts_with("error") { "" } else { "error: " };
-        let text = format!("{prefix}{}\n", self.message.trim_end());
-        let _ = StandardError::get().write_all(text.as_bytes());
-        ExitCode::from(self.status)
-    }
-}
 
 /// Runs the daemon until it is asked to stop.
 pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
@@ -169,6 +127,9 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     let console = Console::open(&settings.config.web, &daemon.rpc, &tokens, own, &daemon.closed);
     let console = console.await.map_err(Refusal::own)?;
     console.iter().for_each(|(console, _)| drop(daemon.console.set(console.clone())));
+    let foxglove = &settings.config.foxglove;
+    let foxglove = Foxglove::open(foxglove, &daemon.rpc, &tokens, own, &daemon.closed);
+    let foxglove = foxglove.await.map_err(Refusal::own)?;
     let supervisor = &daemon.supervisor;
     tokio::spawn(signals.obey(Arc::clone(&daemon), Arc::clone(&tokens)));
     match settings.lease.take().zip(daemon.own_cell.clone()) {
@@ -186,7 +147,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     }
     let opened = open_backend(supervisor).await;
     if let Some(own) = &daemon.own_cell {
-        let _ = opened.as_ref().inspect_err(|refusal| own.cannot_open(&refusal.message));
+        let _ = opened.as_ref().inspect_err(|refusal| own.cannot_open(refusal.message()));
         own.serve(supervisor).map_err(Refusal::own)?;
     }
     opened?;
@@ -209,6 +170,10 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     if let Some((console, listener)) = console {
         let api = rpc::router(&daemon, &tokens, Door::proved(Arc::clone(&log)));
         entrances.push(console.entrance(listener, api));
+    }
+    if let Some((foxglove, listener)) = foxglove {
+        let api = rpc::router(&daemon, &tokens, Door::proved(Arc::clone(&log)));
+        entrances.push(foxglove.entrance(listener, api, daemon.name.as_deref()));
     }
     if let Some(listener) = tcp {
         let tls = daemon.rpc.tls.iter().filter(|tls| tls.client_ca.is_some());

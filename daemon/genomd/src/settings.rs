@@ -60,6 +60,7 @@ impl Settings {
         config.check_limits()?;
         config.services.check()?;
         config.web.check(&config.rpc)?;
+        config.foxglove.check(&config.rpc)?;
         config.gateways.check()?;
         config.blackbox.check()?;
         if !(1..=MOST_ACTIVITIES).contains(&config.max_activities) {

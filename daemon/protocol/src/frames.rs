@@ -20,12 +20,17 @@ const SAMPLE: u8 = 2;
 const LOST: u8 = 3;
 const END: u8 = 4;
 
+/// Name, among what is to be recorded, of the subjects that the daemon reports itself; their topics
+/// begin with it.
+pub const EVENTS: &str = "genom";
+
 /// What to record.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct RecordingRequest {
-    /// Components, ports, and elements of multiple ports; everything if empty.
+    /// Components, ports, and elements of multiple ports; everything if empty. [`EVENTS`] stands for
+    /// the calls, activities and exceptions of all components.
     #[serde(default)]
     pub ports: Vec<String>,
     /// Record when samples were written and read, and a digest of each, in place of contents:
@@ -73,6 +78,14 @@ pub struct Channel {
     pub definition: String,
     /// For a port: `direction`, `type`, and `reads`, the out port that feeds it.
     pub metadata: BTreeMap<String, String>,
+}
+
+/// The channels that a recording of everything would have now.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema), schema(as = RecordingChannels))]
+pub struct Channels {
+    /// Those of the daemon's own subjects, then ports by component, as they are open or connected.
+    pub channels: Vec<Channel>,
 }
 
 /// Total of samples of a channel that were dropped because the buffer was full.

@@ -14,6 +14,7 @@ use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::frames::Channels;
 use crate::{
     Aborted, About, Activities, Activity, AllAborted, Answers, Applied, AskParameters, BlackBox,
     BlackBoxLeft, CallParameters, CallReply, Cell, CellEnds, Cells, Change, ChangeParameters,
@@ -257,6 +258,8 @@ routes! {
     Post thaw() [Admin] "/thaw" => ThawRequest, Thawed;
     /// Lets a component go on that was loaded held.
     Post go_on(component) [Admin] "/components/{component}/go_on", GoesOn;
+    /// Lists the channels that a recording of everything would have.
+    Get channels() [Read] "/channels", Channels;
     /// Records ports and calls of services.
     Post record() [Read] "/recordings" => RecordingRequest, Bytes;
     /// Ends a recording.

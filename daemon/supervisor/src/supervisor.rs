@@ -8,6 +8,7 @@ use genom_blackbox::Memory;
 use genom_configuration::{BlackBoxSection, ClockKind, ExecutionKind};
 use genom_ports::dates::Dates;
 use genom_protocol::RecordingRequest;
+use genom_protocol::frames::Channel;
 use genom_registry::Backends;
 use genom_runtime::{Clock, Execution, Executor, VirtualClock};
 
@@ -15,7 +16,7 @@ use crate::components::{Components, Hosted, UnloadError};
 use crate::connections::{self, Connections, Opening};
 use crate::known::Known;
 use crate::reactor::Reactions;
-use crate::recording::{BlackBox, Recordings, Session};
+use crate::recording::{BlackBox, Recordings, Session, heads};
 use crate::settings::Settings;
 use crate::vigil;
 use genom_bus::flag::Flag;
@@ -161,6 +162,17 @@ impl Supervisor {
         let session = self.recordings.start(wanted);
         self.components.all().iter().for_each(|hosted| hosted.record());
         session
+    }
+
+    /// The channels that a recording of everything would have if it began now.
+    #[must_use]
+    pub fn channels(&self) -> Vec<Channel> {
+        let mut all = heads::of_events();
+        all.extend(self.components.all().iter().flat_map(|hosted| hosted.channels()));
+        for (number, channel) in (0..).zip(&mut all) {
+            channel.channel = number;
+        }
+        all
     }
 
     /// Detaches a recording that ended. Blocks while codels are excluded.

@@ -9,10 +9,8 @@
 //!   its origin; every browser does.
 //! * `Sec-Fetch-Site`, where the browser sends it, must say the same.
 
-use std::net::{Ipv4Addr, Ipv6Addr};
-
-use axum::http::uri::Authority;
 use axum::http::{HeaderMap, HeaderName, Method, header};
+use genom_doors::{one_header, own_name};
 
 /// Header by which a browser says how the page that makes a request is related to its address.
 const SITE: HeaderName = HeaderName::from_static("sec-fetch-site");
@@ -57,12 +55,13 @@ impl Site {
         method: &Method,
         headers: &HeaderMap,
     ) -> Result<(), Foreign> {
-        let host = one(headers, &header::HOST).ok_or(Foreign::Host)?;
-        if !self.has(host) {
+        let host = one_header(headers, &header::HOST).ok_or(Foreign::Host)?;
+        if !own_name(host, &self.hosts) {
             return Err(Foreign::Host);
         }
         if headers.contains_key(header::ORIGIN) {
-            let origin = one(headers, &header::ORIGIN).and_then(|origin| origin.split_once("://"));
+            let origin =
+                one_header(headers, &header::ORIGIN).and_then(|origin| origin.split_once("://"));
             let own = |(scheme, name): (&str, &str)| {
                 scheme == self.scheme && name.eq_ignore_ascii_case(host)
             };
@@ -78,30 +77,6 @@ impl Site {
             _ => Err(Foreign::Page),
         }
     }
-
-    /// Whether a name, with or without port, is the console's and nobody else's.
-    fn has(&self, host: &str) -> bool {
-        let Ok(authority) = host.parse::<Authority>() else { return false };
-        if host.contains('@') {
-            return false;
-        }
-        let name = authority.host();
-        let six = name.strip_prefix('[').and_then(|name| name.strip_suffix(']'));
-        name.parse::<Ipv4Addr>().is_ok()
-            || six.is_some_and(|name| name.parse::<Ipv6Addr>().is_ok())
-            || name.eq_ignore_ascii_case("localhost")
-            || self.hosts.iter().any(|known| known.eq_ignore_ascii_case(name))
-    }
-}
-
-/// The value of a header that a request has once.
-fn one<'a>(headers: &'a HeaderMap, name: &HeaderName) -> Option<&'a str> {
-    let mut all = headers.get_all(name).iter();
-    let only = all.next()?;
-    if all.next().is_some() {
-        return None;
-    }
-    only.to_str().ok()
 }
 
 #[cfg(test)]

@@ -19,6 +19,7 @@ mod components;
 mod control_plane;
 mod deployment;
 mod editors;
+mod foxglove;
 mod freezing;
 mod gateways;
 mod process;

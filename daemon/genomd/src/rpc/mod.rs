@@ -32,7 +32,6 @@ mod ready;
 mod recordings;
 mod replay;
 mod services;
-mod stranded;
 mod tasks;
 mod tokens;
 mod values;
@@ -92,6 +91,7 @@ fn routes() -> OpenApiRouter<Parts> {
         .routes(routes!(freeze::thaw))
         .routes(routes!(freeze::go_on))
         .routes(routes!(tasks::statistics))
+        .routes(routes!(recordings::channels))
         .routes(routes!(recordings::start))
         .routes(routes!(recordings::end))
         .routes(routes!(replay::publish))

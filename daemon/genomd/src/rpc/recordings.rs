@@ -11,7 +11,7 @@ use axum::{Extension, Json};
 use genom_cells::Cells;
 use genom_doors::{Body, Holder, RpcError, Streams};
 use genom_protocol::address::NoAddress;
-use genom_protocol::frames::Start;
+use genom_protocol::frames::{Channels, EVENTS, Start};
 use genom_protocol::{Code, RecordingEnds, RecordingRequest, Subject};
 use genom_supervisor::{Supervisor, recording};
 use tokio::sync::mpsc;
@@ -22,6 +22,22 @@ use crate::rpc::{self, clock, components, ports};
 
 /// Maximum number of batches that wait to be sent.
 const WAITING: usize = 4;
+
+/// List the channels that a recording of everything would have now.
+#[utoipa::path(
+    get,
+    path = "/channels",
+    tag = "recordings",
+    responses((status = 200, body = Channels))
+)]
+pub(crate) async fn channels(
+    State(supervisor): State<Arc<Supervisor>>,
+    State(cells): State<Arc<Cells>>,
+) -> Json<Channels> {
+    let mut own = Channels { channels: supervisor.channels() };
+    cells.join_channels(&mut own).await;
+    Json(own)
+}
 
 /// Record ports and calls of services. The reply is a stream of frames (`length: u32, kind: u8,
 /// content`, little endian).
@@ -49,6 +65,7 @@ pub(crate) async fn start(
             .parse()
             .map_err(|error: NoAddress| RpcError::bad_input(error.to_string()).place("/ports"))?;
         match subject {
+            Subject::Component(name) if name == EVENTS => {}
             Subject::Component(name) if cells.of(&name).is_some() => {}
             Subject::Component(name) => {
                 components::find(&supervisor.components, &name)?;

@@ -14,9 +14,8 @@ use genom_protocol::{Finding, Findings, advice};
 use genom_runtime::seconds;
 use genom_supervisor::Supervisor;
 use genom_supervisor::components::Hosted;
-use genom_supervisor::connections;
+use genom_supervisor::connections::{self, stranded};
 
-use crate::rpc::stranded::stranded;
 use crate::rpc::{components, ports};
 
 /// Tell why no data flows through a port, or why calls of a remote fail.
@@ -134,7 +133,7 @@ fn of_port(supervisor: &Supervisor, hosted: &Hosted, port: PortIx) -> Vec<Findin
             _ => {}
         }
         out.extend(unmet(supervisor, hosted, &key));
-        let stranded = stranded(supervisor, hosted, &key);
+        let stranded = stranded(&supervisor.backends, hosted, &key);
         out.extend(stranded.into_iter().map(|one| finding(one.what, one.fix)));
         if let Some(failed) = counts.map(|counts| counts.failed).filter(|failed| *failed > 0) {
             let what = format!("{failed} writes or reads of {address} failed");

@@ -1,6 +1,9 @@
 //! Attaches tapes of recordings to the ports of a component, and removes them.
 
+use genom_protocol::frames::Channel;
+
 use super::hosted::Hosted;
+use crate::recording::heads;
 
 impl Hosted {
     /// Attaches tapes of the running recordings to the ports that they want. Blocks while codels
@@ -22,6 +25,17 @@ impl Hosted {
         if let Err(error) = recorded {
             tracing::warn!("ports of {} are not recorded: {error}", self.name);
         }
+    }
+
+    /// The channels that a recording of its ports would have now, without numbers.
+    #[must_use]
+    pub fn channels(&self) -> Vec<Channel> {
+        let all = self.ties.tapes().into_iter().filter_map(|(key, reads, _)| {
+            let direction = self.model().ports[key.port].direction;
+            let ty = self.port_type(key.port)?;
+            heads::of_port(&self.port_address(&key), direction, reads.as_ref(), ty)
+        });
+        all.collect()
     }
 
     /// Removes the tapes of a recording that ended. Blocks while codels are excluded.

@@ -19,6 +19,7 @@ mod port;
 mod serve;
 mod service;
 mod share;
+mod stranded;
 
 pub use core::{Connections, Patience, Wanted};
 pub use elsewhere::between_processes;
@@ -26,3 +27,4 @@ pub use error::{ConnectError, Kind};
 pub use find::{publishes, serves};
 pub(crate) use keep::watch;
 pub use opening::{BindError, Opening};
+pub use stranded::{Stranded, stranded};

@@ -5,6 +5,7 @@
 //! clock is set meanwhile they do not jump, but a note is recorded.
 
 mod blackbox;
+pub(crate) mod heads;
 mod notes;
 mod pump;
 
@@ -17,8 +18,8 @@ use genom_middleware::Address;
 use genom_ports::dates::{Calendar, Dates};
 use genom_ports::tape::{Reel, Tape, Tapes, What, tape};
 use genom_protocol::RecordingRequest;
-use genom_protocol::frames::Channel;
-use genom_types::{DataType, message};
+use genom_protocol::frames::{Channel, EVENTS};
+use genom_types::DataType;
 use serde_json::{Value, json};
 
 use crate::outcome::Outcome;
@@ -72,9 +73,9 @@ impl Session {
         self.wanted.is_empty() || self.wanted.iter().any(within)
     }
 
-    /// Whether anything of this component is to be recorded.
+    /// Whether what happens in this component is to be recorded.
     fn concerns(&self, component: &str) -> bool {
-        let of = |name: &String| name.split('/').next() == Some(component);
+        let of = |name: &String| matches!(name.split('/').next(), Some(of) if of == component || of == EVENTS);
         self.wanted.is_empty() || self.wanted.iter().any(of)
     }
 }
@@ -145,7 +146,7 @@ impl Recordings {
         if sessions.is_empty() && blackbox.is_none() {
             return;
         }
-        let Some(definition) = message::message_definition(ty) else {
+        let Some(head) = heads::of_port(address, of, reads, ty) else {
             let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
             if told.insert(topic.clone()) {
                 let (port, ty) = (&topic[1..], ty.name());
@@ -155,21 +156,6 @@ impl Recordings {
                 );
             }
             return;
-        };
-        let metadata = [
-            ("direction", Some(of.as_str().to_owned())),
-            ("type", Some(ty.name().to_owned())),
-            ("reads", reads.map(Address::to_string)),
-        ];
-        let metadata = metadata.into_iter();
-        let head = Channel {
-            // Who sends or writes it assigns its number.
-            channel: 0,
-            topic,
-            encoding: "cdr".to_owned(),
-            schema: message::message_name(ty).to_string(),
-            definition,
-            metadata: metadata.filter_map(|(key, value)| Some((key.to_owned(), value?))).collect(),
         };
         for session in sessions {
             tapes.add(session.number, || {

@@ -44,6 +44,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-configuration", CONFIGURATION),
     ("genom-doors", &["genom-nearest", "genom-proof", "genom-protocol"]),
     ("genom-web", &["genom-configuration", "genom-doors", "genom-proof", "genom-protocol"]),
+    ("genom-foxglove", &["genom-configuration", "genom-doors", "genom-protocol"]),
     ("genom-supervisor", SUPERVISOR),
     ("genom-cells", CELLS),
     ("genom-limits", &["genom-configuration"]),
@@ -166,7 +167,7 @@ const FLOORS: &[(&str, &str)] = &[
     ("registry", "known backends masquerade lib"),
     (
         "configuration",
-        "error limits cells states crashes reload gateways pattern blackbox levels place terms offers rpc web spot overrides file lib",
+        "error limits cells states crashes reload gateways pattern blackbox levels place terms offers rpc web foxglove spot overrides file lib",
     ),
     ("ports", "dates gauge key tape fan feeds tap lib"),
     (
@@ -176,7 +177,7 @@ const FLOORS: &[(&str, &str)] = &[
     ),
     (
         "doors",
-        "error within slots seldom private holder tokens tls listen stall rights input guests streams \
+        "error within names slots seldom private holder tokens tls listen stall rights input guests streams \
          access guard serve relay lib",
     ),
     (
@@ -189,7 +190,7 @@ const FLOORS: &[(&str, &str)] = &[
         "end policy shelf theirs place snapshots journal client crashes follow remains blackbox process bell setup cell round \
          asking cells gateway unmatched own react merge record unload wire deploy thaw lib",
     ),
-    ("genomd", "cli announcements startup settings daemon rpc signals life run check main"),
+    ("genomd", "refusal cli announcements startup settings daemon rpc signals life run check main"),
 ];
 
 fn relative(path: &Path) -> String {

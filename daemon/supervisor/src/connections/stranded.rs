@@ -6,22 +6,26 @@
 use genom_description::model::PortDirection;
 use genom_middleware::{Address, EndpointKind, Middleware};
 use genom_ports::PortKey;
-use genom_supervisor::Supervisor;
-use genom_supervisor::components::Hosted;
+use genom_registry::Backends;
+
+use crate::components::Hosted;
 
 /// An endpoint that the port does not reach, and how to connect it.
-pub(super) struct Stranded {
-    pub(super) what: String,
-    pub(super) fix: String,
+#[derive(Clone, Debug)]
+pub struct Stranded {
+    /// What is wrong.
+    pub what: String,
+    /// What to do about it.
+    pub fix: String,
 }
 
 /// Publishers under an in port's own address on middlewares where it does not read, and readers of
 /// an out port on middlewares where it does not publish.
-pub(super) fn stranded(supervisor: &Supervisor, hosted: &Hosted, key: &PortKey) -> Vec<Stranded> {
+#[must_use]
+pub fn stranded(backends: &Backends, hosted: &Hosted, key: &PortKey) -> Vec<Stranded> {
     let model = &hosted.model().ports[key.port];
     let at = hosted.port_address(key);
-    let open =
-        genom_registry::known().iter().filter_map(|known| supervisor.backends.opened(known.name));
+    let open = genom_registry::known().iter().filter_map(|known| backends.opened(known.name));
     match model.direction {
         PortDirection::In => {
             let made = hosted.ties.connection(key);
