@@ -25,6 +25,8 @@ mod http;
 mod inputs;
 mod names;
 mod patience;
+mod picture;
+mod plot;
 mod private;
 mod process;
 mod prompt;

@@ -10,6 +10,7 @@ use ratatui::text::Line;
 use ratatui::widgets::{Row, Table};
 
 use super::snapshot::Snapshot;
+use super::trend::Trends;
 use crate::units::duration;
 
 /// Maximum number of activities drawn.
@@ -20,6 +21,7 @@ pub(super) fn draw(
     frame: &mut Frame<'_>,
     now: &Snapshot,
     before: Option<&Snapshot>,
+    trends: &Trends,
     scroll: usize,
     help: &str,
 ) {
@@ -53,9 +55,12 @@ pub(super) fn draw(
     frame.render_widget(Line::styled(text, style), title);
     draw_tasks(frame, tasks, now);
     draw_activities(frame, activities, now);
-    draw_ports(frame, ports, now, before, scroll);
+    draw_ports(frame, ports, now, before, trends, scroll);
     frame.render_widget(Line::styled(help, Modifier::DIM), foot);
 }
+
+/// Column of ports that has their rates; sparklines are beside it.
+const RATE: usize = 3;
 
 /// Height of a table: rows, header, and an empty line above.
 fn height(rows: usize) -> u16 {
@@ -135,13 +140,15 @@ fn draw_ports(
     area: Rect,
     now: &Snapshot,
     before: Option<&Snapshot>,
+    trends: &Trends,
     scroll: usize,
 ) {
+    let lines = trends.say_something();
     let rows = now.ports.iter().map(|port| {
         let rate = before.and_then(|before| now.rate(port, before));
         let dash = || "-".to_owned();
         let dropped = port.traffic.map_or(0, |traffic| traffic.dropped);
-        let cells = vec![
+        let mut cells = vec![
             port.address.clone(),
             port.direction.to_string(),
             port.backend.to_string(),
@@ -150,9 +157,12 @@ fn draw_ports(
             dropped.to_string(),
             port.connected.clone().unwrap_or_else(dash),
         ];
+        if lines {
+            cells.insert(RATE + 1, trends.line(&port.address));
+        }
         (cells, alarm(dropped > 0))
     });
-    let widths = [
+    let mut widths = vec![
         Constraint::Min(20),
         Constraint::Length(3),
         Constraint::Length(10),
@@ -161,7 +171,11 @@ fn draw_ports(
         Constraint::Length(7),
         Constraint::Min(9),
     ];
-    let header = ["PORT", "DIR", "BACKEND", "RATE", "SAMPLES", "DROPPED", "CONNECTED"];
+    let mut header = vec!["PORT", "DIR", "BACKEND", "RATE", "SAMPLES", "DROPPED", "CONNECTED"];
+    if lines {
+        widths.insert(RATE + 1, Constraint::Length(20));
+        header.insert(RATE + 1, "LATELY");
+    }
     table(frame, area, &header, rows.collect(), scroll, &widths);
 }
 
@@ -172,7 +186,7 @@ pub(crate) fn text(now: &Snapshot, before: Option<&Snapshot>, width: u16) -> Str
     let all: u16 = rows.iter().map(|&rows| height(rows)).sum();
     // This backend draws into memory and cannot fail.
     let Ok(mut terminal) = Terminal::new(TestBackend::new(width, all + 1));
-    let Ok(_) = terminal.draw(|frame| draw(frame, now, before, 0, ""));
+    let Ok(_) = terminal.draw(|frame| draw(frame, now, before, &Trends::default(), 0, ""));
     let buffer = terminal.backend().buffer();
     let mut out = String::new();
     for line in buffer.content().chunks(usize::from(width)) {
@@ -278,6 +292,28 @@ mod tests {
     }
 
     #[test]
+    fn each_port_has_a_line_of_its_rates_once_there_are_some() {
+        let begin = Instant::now();
+        let at = |second| snapshot(100 * second, begin + Duration::from_secs(second));
+        let mut trends = Trends::default();
+        trends.add(&at(1), &at(0));
+        let shown = |trends: &Trends| {
+            let mut terminal = Terminal::new(TestBackend::new(120, 14)).unwrap();
+            terminal.draw(|frame| draw(frame, &at(3), None, trends, 0, "")).unwrap();
+            let buffer = terminal.backend().buffer();
+            buffer.content().iter().map(|cell| cell.symbol()).collect::<String>()
+        };
+        assert!(!shown(&trends).contains("LATELY"));
+        trends.add(&at(2), &at(2));
+        trends.add(&snapshot(250, begin + Duration::from_secs(3)), &at(2));
+        assert!(
+            shown(&trends).contains("LATELY") && shown(&trends).contains("█▅"),
+            "{}",
+            shown(&trends)
+        );
+    }
+
+    #[test]
     fn names_stay_whole_where_the_screen_is_narrow_and_other_columns_give_room() {
         let mut now = snapshot(1, Instant::now());
         let long = "left_arm_controller/references/joint_positions";
@@ -294,7 +330,7 @@ mod tests {
         let told = "demo is stuck in demo_move for 12 s; genomd on ";
         assert!(text(&now, None, 100).starts_with(told));
         let mut terminal = Terminal::new(TestBackend::new(100, 12)).unwrap();
-        terminal.draw(|frame| draw(frame, &now, None, 0, "")).unwrap();
+        terminal.draw(|frame| draw(frame, &now, None, &Trends::default(), 0, "")).unwrap();
         assert_eq!(terminal.backend().buffer()[(0, 0)].fg, Color::Red);
     }
 
@@ -302,7 +338,7 @@ mod tests {
     fn a_missed_tick_is_drawn_in_red_and_a_small_screen_cuts_without_failing() {
         let now = snapshot(1, Instant::now());
         let mut terminal = Terminal::new(TestBackend::new(80, 12)).unwrap();
-        terminal.draw(|frame| draw(frame, &now, None, 1, "q quits")).unwrap();
+        terminal.draw(|frame| draw(frame, &now, None, &Trends::default(), 1, "q quits")).unwrap();
         let buffer = terminal.backend().buffer();
         assert_eq!(buffer[(0, 3)].symbol(), "d");
         assert_eq!(buffer[(0, 3)].fg, Color::Red);
@@ -312,7 +348,9 @@ mod tests {
         assert!(!shown.contains("demo/position") && shown.contains("demo/parameter"), "{shown}");
         for (width, height) in [(1, 1), (3, 5), (200, 2), (20, 40)] {
             let mut terminal = Terminal::new(TestBackend::new(width, height)).unwrap();
-            terminal.draw(|frame| draw(frame, &now, None, 99, "q quits")).unwrap();
+            terminal
+                .draw(|frame| draw(frame, &now, None, &Trends::default(), 99, "q quits"))
+                .unwrap();
         }
     }
 }

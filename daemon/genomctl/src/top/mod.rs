@@ -3,6 +3,7 @@
 mod draw;
 mod screen;
 mod snapshot;
+mod trend;
 
 pub(crate) use draw::text;
 pub(crate) use screen::run;

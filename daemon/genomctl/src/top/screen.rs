@@ -8,6 +8,7 @@ use tokio::sync::mpsc;
 
 use super::draw::draw;
 use super::snapshot::Snapshot;
+use super::trend::Trends;
 use crate::failure::Failure;
 use crate::session::Session;
 
@@ -31,7 +32,7 @@ pub(crate) async fn run(session: &Session, period: Duration) -> Result<(), Failu
     let mut before = None;
     let mut terminal = ratatui::try_init()?;
     let mut wishes = listen();
-    let (mut scroll, mut paused) = (0_usize, false);
+    let (mut scroll, mut paused, mut trends) = (0_usize, false, Trends::default());
     let mut ticks = tokio::time::interval(period);
     ticks.tick().await;
     // Result of the last command to stop.
@@ -42,13 +43,18 @@ pub(crate) async fn run(session: &Session, period: Duration) -> Result<(), Failu
             false => "s stops all activities, p pauses, q quits, arrows",
         };
         let help = format!("{told}{keys}");
-        let drawn = terminal.draw(|frame| draw(frame, &now, before.as_ref(), scroll, &help));
+        let drawn =
+            terminal.draw(|frame| draw(frame, &now, before.as_ref(), &trends, scroll, &help));
         if let Err(error) = drawn {
             break Err(Failure::Io(error));
         }
         tokio::select! {
             _ = ticks.tick(), if !paused => match Snapshot::take(session).await {
-                Ok(next) => before = Some(std::mem::replace(&mut now, next)),
+                Ok(next) => {
+                    let last = std::mem::replace(&mut now, next);
+                    trends.add(&now, &last);
+                    before = Some(last);
+                }
                 Err(failure) => break Err(failure),
             },
             wish = wishes.recv() => match wish {

@@ -1,41 +1,72 @@
-//! `genomctl graph`: draws components. No daemon.
+//! `genomctl graph`: draws components, from their descriptions or as they run.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use genom_description_tools as tools;
 
 use crate::failure::Failure;
+use crate::picture::{System, dot, mermaid, svg};
 use crate::reading::Reading;
 use crate::session::Session;
 
-/// Draw components and their state machines.
+/// Draw a running system, or state machines of descriptions.
+///
+/// Without files, what runs: components with their ports, in frames of their cells; connections in
+/// one colour for each middleware, with the rates that their writers have now; remotes and the
+/// services they call (dashed); peers that are none of this daemon's (dashed frames). With files, the
+/// state machines of the components that they describe, without a daemon.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The .gen files, read in order as one specification.
-    #[arg(required = true)]
+    /// The .gen files, read in order as one specification [default: what runs].
     files: Vec<PathBuf>,
-    /// Language of the drawing: Graphviz or Mermaid.
+    /// Language of the drawing: Graphviz, Mermaid, or SVG, which needs no other program; SVG is of
+    /// what runs only.
     #[arg(long, value_enum, default_value_t = Format::Dot)]
     format: Format,
-    /// One component [default: all].
-    #[arg(long, value_name = "NAME")]
+    /// With files: one component [default: all].
+    #[arg(long, value_name = "NAME", requires = "files")]
     component: Option<String>,
+    /// Without files: seconds that rates are of; 0 leaves them out.
+    #[arg(long, value_name = "SECONDS", default_value_t = 1.0, conflicts_with = "files")]
+    window: f64,
     #[command(flatten)]
     reading: Reading,
 }
 
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
 enum Format {
     Dot,
     Mermaid,
+    Svg,
 }
 
-pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
-    let analysis = args.reading.read_sound(&args.files)?;
+pub(super) async fn run(args: &Args, session: &Session) -> Result<(), Failure> {
+    if args.files.is_empty() { draw_running(args, session).await } else { draw(args, session) }
+}
+
+async fn draw_running(args: &Args, session: &Session) -> Result<(), Failure> {
+    let window = Duration::try_from_secs_f64(args.window)
+        .map_err(|_| Failure::usage(format!("--window {}: no time", args.window), "try 1, or 0"))?;
+    let system = System::read(session, (!window.is_zero()).then_some(window)).await?;
+    let drawn = match args.format {
+        Format::Dot => dot(&system),
+        Format::Mermaid => mermaid(&system),
+        Format::Svg => svg(&system),
+    };
+    session.print_text("graph", &drawn)
+}
+
+fn draw(args: &Args, session: &Session) -> Result<(), Failure> {
     let language = match args.format {
         Format::Dot => tools::Graph::Dot,
         Format::Mermaid => tools::Graph::Mermaid,
+        Format::Svg => {
+            let message = "state machines are drawn as dot or mermaid";
+            return Err(Failure::usage(message, "`genomctl graph --format svg` draws what runs"));
+        }
     };
+    let analysis = args.reading.read_sound(&args.files)?;
     let all = &analysis.specification.components;
     let wanted = |name: &str| args.component.as_deref().is_none_or(|wanted| wanted == name);
     let drawn: Vec<String> = all

@@ -43,6 +43,7 @@ mod man;
 mod model;
 mod new;
 mod outcome;
+mod plot;
 mod ports;
 mod publish;
 mod record;
@@ -91,6 +92,7 @@ pub(crate) enum Verb {
     Echo(echo::Args),
     Hz(hz::Args),
     Bw(bw::Args),
+    Plot(plot::Args),
     #[command(name = "pub")]
     Publish(publish::Args),
     Record(record::Args),
@@ -179,6 +181,7 @@ pub(crate) async fn run(
         Verb::Echo(args) => echo::run(args, session).await,
         Verb::Hz(args) => hz::run(args, session).await,
         Verb::Bw(args) => bw::run(args, session).await,
+        Verb::Plot(args) => plot::run(args, session).await,
         Verb::Publish(args) => publish::run(args, session).await,
         Verb::Record(args) => record::run(args, session).await,
         Verb::Replay(args) => replay::run(args, session).await,
@@ -220,7 +223,7 @@ pub(crate) async fn run(
         Verb::Fmt(args) => fmt::run(&args, session),
         Verb::Describe(args) => describe::run(&args, session),
         Verb::Header(args) => header::run(&args, session),
-        Verb::Graph(args) => graph::run(&args, session),
+        Verb::Graph(args) => graph::run(&args, session).await,
         Verb::Digest(args) => digest::run(&args, session),
         Verb::Ros2Package(args) => ros2_package::run(&args, session),
         Verb::New(args) => new::run(&args, session),

@@ -3,6 +3,7 @@
 mod check_library;
 mod descriptions;
 mod hostile_daemon;
+mod pictures;
 mod refusals;
 mod terminal;
 mod transcripts;
