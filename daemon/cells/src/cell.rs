@@ -1,6 +1,7 @@
 //! One cell: its process, from start to end and to the next start.
 
 mod again;
+mod failing;
 mod hearing;
 mod supervised;
 
@@ -16,8 +17,9 @@ use tokio::time::{sleep, timeout};
 
 use crate::client::Client;
 use crate::crashes::{Dump, Known, learn};
+use crate::done::Waiting;
 use crate::end::End;
-use crate::journal;
+use crate::journal::{self, Journal};
 use crate::place::Place;
 use crate::policy::{Limit, Restarts};
 use crate::process::Process;
@@ -38,6 +40,7 @@ pub struct Cell {
     place: Place,
     client: Client,
     setup: Arc<Setup>,
+    journal: Journal,
     state: Mutex<State>,
     /// For the report of its crash.
     known: Mutex<Known>,
@@ -61,6 +64,8 @@ struct State {
     dump: Dump,
     /// What its last process held: more than the next one, if something is not to come back.
     held: Deployment,
+    /// What is being done of other components since its process failed.
+    reacting: Option<Waiting>,
     /// Broken rules that it told within this second.
     rules_told: Limit,
 }
@@ -102,6 +107,7 @@ impl Cell {
         let cell = Arc::new(Self {
             name: name.to_owned(),
             client: Client::new(&place.socket()),
+            journal: Journal::new(place.journal()),
             place,
             setup: Arc::clone(setup),
             state: Mutex::default(),
@@ -272,6 +278,7 @@ impl Cell {
                 }
                 None => self.start_and_run().await,
             };
+            self.react_to(&end);
             let asked = self.report(&end);
             self.with(|state| {
                 state.pid = None;
@@ -284,6 +291,8 @@ impl Cell {
                 break;
             }
             let delay = self.after(&end, asked, &mut restarts);
+            // Others are safe before a new process takes its part of the processors.
+            self.reacted().await;
             let told_otherwise = order.changed();
             match delay {
                 Some(delay) => {
@@ -310,9 +319,6 @@ impl Cell {
             tracing::error!("cell {}: {error}; it starts with nothing", self.name);
             Deployment::default()
         });
-        if end.is_failure() {
-            self.setup.failed(&held);
-        }
         let lost: Vec<String> = held.component.iter().map(|one| one.instance()).collect();
         let kept = match asked {
             true => held.clone(),
@@ -389,7 +395,7 @@ impl Cell {
         self.with(|state| (state.pid, state.dump) = (Some(process.pid()), process.dump()));
         let limit = self.setup.settings.ready_timeout;
         tokio::select! {
-            end = process.ended() => return match self.place.taken_refusal() {
+            end = self.end_of(process) => return match self.place.taken_refusal() {
                 Some(why) => End::Refused(why),
                 None => self.for_a_rule(end).await,
             },
@@ -402,6 +408,8 @@ impl Cell {
             let names = all.components.into_iter().map(|one| one.name).chain(all.loading).collect();
             self.with(|state| state.components = names);
         }
+        // Read now, so that a failure waits for no reading.
+        let _ = self.journal.read();
         self.enter(CellState::Running);
         let (cell, pid) = (self.name.clone(), process.pid());
         tracing::info!("cell {cell} {}, process {pid}", if adopted { "found" } else { "runs" });
@@ -409,11 +417,11 @@ impl Cell {
         let after = if adopted { None } else { Some(0) };
         let mut follow = std::pin::pin!(self.follow(after));
         tokio::select! {
-            end = process.ended() => {
+            end = self.end_of(process) => {
                 let _ = timeout(NOTICE, &mut follow).await;
                 self.for_a_rule(end).await
             },
-            () = &mut follow => self.for_a_rule(process.ended().await).await,
+            () = &mut follow => self.for_a_rule(self.end_of(process).await).await,
             limit = self.silent() => self.kill_for(process, End::Silent(limit)).await,
             () = self.told_to_stop() => self.stop(process).await,
         }
@@ -460,14 +468,9 @@ impl Cell {
                 return limit;
             }
             let _ = timeout(limit / 4, learn(&self.client, &self.known)).await;
+            let _ = self.journal.read();
             sleep(limit / 4).await;
         }
-    }
-
-    async fn kill_for(&self, process: &Process, why: End) -> End {
-        process.signal(Signal::KILL);
-        process.ended().await;
-        why
     }
 
     /// Asks it to stop, and ends it when it does not in time.

@@ -1,8 +1,11 @@
 //! What a cell is to hold, as a deployment file: its own process writes it after each change, its
 //! next process reads it.
 
+use std::fs::Metadata;
 use std::io::{self, ErrorKind};
-use std::path::Path;
+use std::os::unix::fs::MetadataExt as _;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use genom_configuration::{Config, ConfigError, Deployment};
 use genom_protocol::RestartPolicy;
@@ -11,6 +14,53 @@ use crate::theirs;
 
 /// Most bytes of one. Components come with what they go on with, as in the file of a freeze.
 const MOST: u64 = 2 * genom_protocol::freeze::MOST as u64;
+
+/// A journal that its daemon reads now and then, and at a failure, which waits for no reading: one
+/// with much in it takes milliseconds. What it holds is kept as long as the file looks the same.
+#[derive(Debug)]
+pub(crate) struct Journal {
+    path: PathBuf,
+    last: Mutex<Option<(Version, Arc<Deployment>)>>,
+}
+
+/// Each writing makes another file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Version {
+    file: (u64, u64),
+    size: u64,
+    changed: (i64, i64),
+}
+
+impl Version {
+    fn of(found: &Metadata) -> Self {
+        let file = (found.dev(), found.ino());
+        Self { file, size: found.size(), changed: (found.ctime(), found.ctime_nsec()) }
+    }
+}
+
+impl Journal {
+    pub(crate) fn new(path: PathBuf) -> Self {
+        Self { path, last: Mutex::default() }
+    }
+
+    /// What it says now.
+    ///
+    /// # Errors
+    /// It is no such file.
+    pub(crate) fn read(&self) -> Result<Arc<Deployment>, ConfigError> {
+        // Before it is read: one that changes meanwhile is read again next time.
+        let now = std::fs::symlink_metadata(&self.path).ok().as_ref().map(Version::of);
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if let (Some((version, held)), Some(now)) = (&*last, now)
+            && *version == now
+        {
+            return Ok(Arc::clone(held));
+        }
+        let held = Arc::new(read(&self.path)?);
+        *last = now.map(|now| (now, Arc::clone(&held)));
+        Ok(held)
+    }
+}
 
 /// Writes what is to be held. A process that dies while it writes leaves the file that was there.
 ///
@@ -97,6 +147,26 @@ mod tests {
         assert_eq!(read(&path).unwrap(), held());
         fs::write(&path, "component = 3").unwrap();
         assert!(read(&path).unwrap_err().to_string().contains("journal.toml:1"));
+    }
+
+    #[test]
+    fn a_journal_is_read_again_when_it_has_changed_and_only_then() {
+        let scratch = tempfile::tempdir().unwrap();
+        let path = scratch.path().join("journal.toml");
+        let journal = Journal::new(path.clone());
+        assert_eq!(*journal.read().unwrap(), Deployment::default());
+        write(&path, &held()).unwrap();
+        let first = journal.read().unwrap();
+        assert_eq!(*first, held());
+        assert!(Arc::ptr_eq(&first, &journal.read().unwrap()), "kept");
+        let mut less = held();
+        less.call.clear();
+        write(&path, &less).unwrap();
+        assert_eq!(*journal.read().unwrap(), less);
+        fs::write(&path, "component = 3").unwrap();
+        assert!(journal.read().is_err(), "also one that is written in place");
+        fs::remove_file(&path).unwrap();
+        assert_eq!(*journal.read().unwrap(), Deployment::default());
     }
 
     #[test]

@@ -75,7 +75,7 @@ impl OwnCell {
         let prepare = || {
             genom_host::note_crashes_in(theirs::create(&self.place.note())?);
             let limit = getrlimit(Resource::Core);
-            let current = if core { limit.maximum } else { Some(0) };
+            let current = if core { limit.maximum } else { none(limit.maximum) };
             Ok::<_, io::Error>(setrlimit(Resource::Core, Rlimit { current, ..limit })?)
         };
         if let Err(error) = prepare() {
@@ -196,6 +196,13 @@ impl OwnCell {
             }
         }
     }
+}
+
+/// The limit with which the kernel dumps nothing. 0 is for dumps to files only: a program named by
+/// `core_pattern` (of a distribution that collects crashes) gets the memory all the same, and the
+/// process waits for it; with 1 the kernel does not start that program.
+fn none(maximum: Option<u64>) -> Option<u64> {
+    Some(maximum.map_or(1, |most| most.min(1)))
 }
 
 /// From now on a panic of any thread ends this process: a library whose thread is gone, or that has

@@ -1,4 +1,8 @@
 //! The process of a cell: started without a fork, seen to end by its descriptor (`pidfd`).
+//!
+//! Its end has two moments. First it is *seen*, by its first thread if it is a fault (`dying`): what
+//! must be done of other components is done then. Then it is *over*: what its codels started is
+//! ended, and its status taken, so that the next process may start.
 
 use std::fs;
 use std::io;
@@ -11,6 +15,7 @@ use std::sync::Arc;
 use std::thread;
 
 use genom_blackbox::Memory;
+use genom_kit::prompt::be_prompt;
 use rustix::event::{PollFd, PollFlags, poll};
 use rustix::io::Errno;
 use rustix::process::{
@@ -20,6 +25,7 @@ use tokio::sync::watch;
 
 use crate::blackbox::lend;
 use crate::crashes::Dump;
+use crate::dying::Dying;
 use crate::end::End;
 use crate::place::Place;
 use crate::remains;
@@ -37,7 +43,9 @@ pub(crate) struct Process {
     pid: Pid,
     handle: Arc<OwnedFd>,
     /// How it ended, once it has.
-    end: watch::Receiver<Option<End>>,
+    seen: watch::Receiver<Option<End>>,
+    /// The same, once nothing of it is left.
+    over: watch::Receiver<Option<End>>,
     dump: Dump,
     /// The other end of its standard input, which the child sees closed when this daemon ends.
     _lease: Option<UnixStream>,
@@ -98,30 +106,46 @@ impl Process {
     fn of(pid: Pid, lease: Option<UnixStream>, place: Option<&Place>) -> io::Result<Self> {
         let place = place.cloned();
         let handle = Arc::new(pidfd_open(pid, PidfdFlags::empty())?);
-        let (told, end) = watch::channel(None);
-        let watched = Arc::clone(&handle);
+        let (sees, seen) = watch::channel(None);
+        let (ends, over) = watch::channel(None);
+        let (watched, dying) = (Arc::clone(&handle), Dying::of(pid));
         // A thread, since tokio takes no such descriptor without unsafe code; it sleeps.
         thread::Builder::new().name("cell-end".to_owned()).stack_size(STACK).spawn(move || {
+            // Where that is refused, it is only slower.
+            let _ = be_prompt();
+            if let Some(failure) = dying.failure(&watched) {
+                sees.send_replace(Some(failure));
+            }
             while let Err(Errno::INTR) = poll(&mut [PollFd::new(&*watched, PollFlags::IN)], None) {}
+            let end = status(&watched, WaitIdOptions::NOWAIT);
+            sees.send_if_modified(|seen| {
+                let first = seen.is_none();
+                seen.get_or_insert_with(|| end.clone());
+                first
+            });
             if let Some(place) = place {
                 // Before its status is taken: until then, nobody else gets its number.
                 remains::end_group(pid);
                 remains::end_descendants(&place);
             }
-            told.send_replace(Some(status(&watched)));
+            let _ = status(&watched, WaitIdOptions::empty());
+            ends.send_replace(Some(end));
         })?;
-        Ok(Self { pid, handle, end, dump: Dump::default(), _lease: lease })
+        Ok(Self { pid, handle, seen, over, dump: Dump::default(), _lease: lease })
     }
 
     pub(crate) fn pid(&self) -> u32 {
         self.pid.as_raw_nonzero().get().unsigned_abs()
     }
 
-    /// Waits until it has ended, and takes its status.
+    /// Waits until it has ended. What its codels started may still run.
+    pub(crate) async fn seen(&self) -> End {
+        told(self.seen.clone()).await
+    }
+
+    /// Waits until nothing of it is left.
     pub(crate) async fn ended(&self) -> End {
-        let mut end = self.end.clone();
-        let ended = end.wait_for(Option::is_some).await;
-        ended.ok().and_then(|end| end.clone()).unwrap_or(End::Unknown)
+        told(self.over.clone()).await
     }
 
     /// Sends it a signal; one that has ended gets none.
@@ -137,10 +161,15 @@ pub(crate) fn kill(pid: u32) -> io::Result<()> {
     Ok(pidfd_send_signal(&handle, Signal::KILL)?)
 }
 
-/// Takes the status of a process that has ended.
-fn status(handle: &OwnedFd) -> End {
+async fn told(mut end: watch::Receiver<Option<End>>) -> End {
+    let told = end.wait_for(Option::is_some).await;
+    told.ok().and_then(|end| end.clone()).unwrap_or(End::Unknown)
+}
+
+/// The status of a process that has ended: taken, unless it is to stay (`NOWAIT`).
+fn status(handle: &OwnedFd, how: WaitIdOptions) -> End {
     let id = WaitId::PidFd(handle.as_fd());
-    match waitid(id, WaitIdOptions::EXITED | WaitIdOptions::NOHANG) {
+    match waitid(id, WaitIdOptions::EXITED | WaitIdOptions::NOHANG | how) {
         Ok(Some(status)) => match (status.exit_status(), status.terminating_signal()) {
             (Some(status), _) => End::Exited(status),
             (None, Some(signal)) => End::Signal(signal),
@@ -171,7 +200,9 @@ mod tests {
     async fn end_of(script: &str) -> End {
         let child = Command::new("/bin/sh").args(["-c", script]).spawn().unwrap();
         let process = Process::of(Pid::from_child(&child), None, None).unwrap();
-        process.ended().await
+        let seen = process.seen().await;
+        assert_eq!(process.ended().await, seen);
+        seen
     }
 
     #[tokio::test]

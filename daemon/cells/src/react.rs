@@ -55,7 +55,8 @@ impl Reactor for Rules {
             };
             reactions.retain(here);
         }
-        let failure = Failure { component, reactions, seen, cause: Cause::BrokenRule };
+        let cause = Cause::BrokenRule;
+        let failure = Failure { component, reactions, seen, cause, under_way: None };
         // Nobody listens any more when the daemon ends.
         let _ = self.failures.send(failure);
     }
@@ -86,9 +87,10 @@ pub async fn react(
                 tracing::debug!("{}: {} is still under way", call.0, call.1);
                 continue;
             }
-            let under_way = under_way.clone();
+            let (under_way, doing) = (under_way.clone(), failure.under_way.clone());
             tokio::spawn(async move {
                 let done = perform(&cells, &supervisor, &reaction).await;
+                drop(doing);
                 if failure.cause == Cause::BrokenRule {
                     under_way.end(&call);
                 }

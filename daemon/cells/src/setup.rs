@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use genom_configuration::{CellLimits, CellSettings, Config, Deployment, Reaction};
+use genom_configuration::{CellLimits, CellSettings, Config, Reaction};
 use genom_protocol::Change;
 use genom_protocol::freeze::MOST;
 use genom_supervisor::connections::between_processes;
@@ -16,6 +16,7 @@ use serde_json::Value;
 
 use crate::blackbox::BlackBoxes;
 use crate::crashes::Reports;
+use crate::done::Doing;
 use crate::end::End;
 use crate::place::Place;
 use crate::theirs;
@@ -73,6 +74,8 @@ pub struct Failure {
     pub seen: Instant,
     /// How it failed.
     pub cause: Cause,
+    /// Held until all of it is done, where somebody waits for that.
+    pub under_way: Option<Doing>,
 }
 
 /// How a component failed.
@@ -97,16 +100,6 @@ impl Cause {
 impl Setup {
     pub(crate) fn tell(&self, told: Told) {
         (self.hears)(told);
-    }
-
-    /// A process ended by a fault: tells what is to be done for the components that it held.
-    pub(crate) fn failed(&self, held: &Deployment) {
-        let seen = Instant::now();
-        for component in held.component.iter().filter(|one| !one.on_failure.is_empty()) {
-            let (component, reactions) = (component.instance(), component.on_failure.clone());
-            let cause = Cause::Ended;
-            self.tell(Told::Failed(Failure { component, reactions, seen, cause }));
-        }
     }
 
     /// Writes how a cell is to run: as the daemon, but with a socket of its own, and with what

@@ -63,6 +63,22 @@ proptest! {
         other.decode_message(&message).unwrap();
         prop_assert_eq!(&other.to_json(), &json);
 
+        // Who passes messages on finds what who reads them does.
+        for message in [&message, &[&[0, 1, 0, 0], &payload[..]].concat()] {
+            prop_assert_eq!(ty.check_message(message).unwrap(), message.len());
+            let padded = [&message[..], &[7; 3]].concat();
+            prop_assert_eq!(ty.check_message(&padded).unwrap(), message.len());
+            let mut rng = Rng::new(seed ^ 11);
+            for _ in 0..8 {
+                let mut wrong = message.clone();
+                let at = rng.below(wrong.len() as u64) as usize;
+                wrong[at] = rng.next() as u8;
+                wrong.truncate(wrong.len() - rng.below(3) as usize);
+                let read = Record::new(&ty).decode_message(&wrong);
+                prop_assert_eq!(ty.check_message(&wrong).map(drop), read);
+            }
+        }
+
         // Replaces another value, which stays when the message is cut.
         let old = value(ty.table(), ty.id(), &mut Rng::new(seed ^ 7));
         let (mut replaced, mut scratch) = (Record::new(&ty), Record::new(&ty));

@@ -106,6 +106,15 @@ pub trait Publisher: Send {
     /// The value cannot be encoded, or the middleware refuses it. Nothing was published then.
     fn publish(&mut self, value: &Record) -> Result<(), PublishError>;
 
+    /// Publishes a sample that is a message in CDR, as
+    /// [`Record::encode_message`](genom_types::Record::encode_message) makes it: for who passes
+    /// samples on. One that is no value of the port's type is refused. `None` if this middleware
+    /// takes records only; nothing was published then.
+    fn publish_message(&mut self, message: &[u8]) -> Option<Result<(), PublishError>> {
+        let _ = message;
+        None
+    }
+
     /// Number of samples dropped so far because the middleware could not keep up.
     fn dropped(&self) -> u64;
 }
@@ -120,6 +129,13 @@ pub trait Subscription: Send {
     /// # Errors
     /// The sample cannot be decoded, or the middleware fails.
     fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError>;
+
+    /// Replaces `into` by the next sample, as a message in CDR; else as [`read`](Self::read), whose
+    /// results it shares. `None` if this middleware gives records only; nothing was read then.
+    fn read_message(&mut self, into: &mut Vec<u8>) -> Option<Result<Reading, ReadError>> {
+        let _ = into;
+        None
+    }
 
     /// From now on, calls `told` after each sample that arrives, on a thread of the middleware;
     /// `told` does not block. A sample that arrived before is not told. Returns whether this

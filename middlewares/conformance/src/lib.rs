@@ -72,6 +72,7 @@ macro_rules! conformance {
                 types::strings_and_nested_sequences_travel,
                 types::growing_values_travel,
                 types::samples_of_4_mib_travel,
+                types::messages_travel_as_the_records_that_they_are,
                 types::basic_types_travel,
                 life::what_a_backend_says_it_can_do_it_does,
                 life::a_second_writer_of_an_address_is_refused,

@@ -137,6 +137,37 @@ pub fn growing_values_travel(world: &dyn World) {
     travel(world, &note(), (0..15).rev().map(|n| note_of(1 << n)));
 }
 
+/// Backends that take and give messages in CDR, for who passes samples on, mean the same by them as
+/// by records; bytes that are no value of the type go nowhere.
+pub fn messages_travel_as_the_records_that_they_are(world: &dyn World) {
+    let (a, b) = (world.join(), world.join());
+    let (at, ty) = (position(), note());
+    let port = PortSpec::new(&at, &ty);
+    let mut writer = a.publisher(&port).unwrap();
+    let mut reader = b.subscription(&port, Policy::Latest).unwrap();
+    let (mut sent, mut got) = (Record::new(&ty), Record::new(&ty));
+    for rows in 1..12 {
+        sent.merge_json(&note_of(rows)).unwrap();
+        let mut message = Vec::new();
+        sent.encode_message(&mut message).unwrap();
+        let wrong = message.split_last().map_or(&[][..], |(_, rest)| rest);
+        if let Some(published) = writer.publish_message(wrong) {
+            assert!(published.is_err(), "it is cut");
+            let padded = [&message[..], &[0; 3]].concat();
+            writer.publish_message(&padded).unwrap().unwrap();
+        } else {
+            writer.publish(&sent).unwrap();
+        }
+        let mut read = Vec::new();
+        eventually("the sample arrives", || match reader.read_message(&mut read) {
+            Some(reading) => reading.unwrap() == Reading::New && got.decode_message(&read).is_ok(),
+            None => reader.read(&mut got).unwrap() == Reading::New,
+        });
+        assert_eq!(got.to_json(), note_of(rows));
+    }
+    assert_eq!(reader.dropped(), 0);
+}
+
 /// Samples of 4 MiB arrive complete, several times.
 pub fn samples_of_4_mib_travel(world: &dyn World) {
     let ty = image();

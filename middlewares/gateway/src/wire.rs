@@ -15,6 +15,9 @@ pub(crate) const MOST: usize = 256 << 20;
 /// A buffer that grew beyond this is not kept for small frames.
 const KEPT: usize = 16 << 20;
 
+/// Room for the first bytes of a frame.
+const STEP: usize = 64 << 10;
+
 const SAMPLE: u8 = 0;
 const MESSAGE: u8 = 1;
 
@@ -71,6 +74,7 @@ pub(crate) fn write_sample(
 #[derive(Debug)]
 pub(crate) struct Frames<R = UnixStream> {
     stream: BufReader<R>,
+    /// As long as the longest frame that was read, and not shortened: it need not be cleared.
     buffer: Vec<u8>,
 }
 
@@ -90,16 +94,22 @@ impl<R: Read> Frames<R> {
         if size > MOST {
             return Err(garbage(format!("a frame of {size} bytes")));
         }
-        if self.buffer.capacity() > KEPT && size < KEPT / 16 {
+        if self.buffer.len() > KEPT && size < KEPT / 16 {
             self.buffer = Vec::new();
         }
-        self.buffer.clear();
-        // Memory is taken as bytes arrive, whatever length is claimed.
-        let read = (&mut self.stream).take(size as u64).read_to_end(&mut self.buffer)?;
-        if read < size {
-            return Err(io::ErrorKind::UnexpectedEof.into());
+        // Memory is taken as bytes arrive, whatever length is claimed; what a frame before took is
+        // read into at once.
+        let mut read = 0;
+        while read < size {
+            let room = self.buffer.len().max(2 * read).max(STEP).min(size);
+            if room > self.buffer.len() {
+                self.buffer.resize(room, 0);
+            }
+            self.stream.read_exact(self.buffer.get_mut(read..room).unwrap_or_default())?;
+            read = room;
         }
-        let (&kind, rest) = self.buffer.split_first().ok_or_else(|| garbage("an empty frame"))?;
+        let frame = self.buffer.get(..size).unwrap_or_default();
+        let (&kind, rest) = frame.split_first().ok_or_else(|| garbage("an empty frame"))?;
         let (word, rest) =
             rest.split_first_chunk::<4>().ok_or_else(|| garbage("a frame without a head"))?;
         let word = u32::from_le_bytes(*word);

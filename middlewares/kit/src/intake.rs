@@ -71,7 +71,31 @@ impl Intake {
             return Err(ReadError::Broken);
         }
         let scratch = &mut self.scratch;
-        match take(&mut |message| into.replace_from_message(message, scratch).is_ok()) {
+        let taken = take(&mut |message| into.replace_from_message(message, scratch).is_ok());
+        self.told(taken)
+    }
+
+    /// The same, but the sample stays a message.
+    ///
+    /// # Errors
+    /// It is no value of the type.
+    pub fn read_message(
+        &mut self,
+        into: &mut Vec<u8>,
+        take: impl FnOnce(&mut dyn FnMut(&[u8]) -> bool) -> Option<bool>,
+    ) -> Result<Reading, ReadError> {
+        let ty = self.scratch.ty();
+        let taken = take(&mut |message| {
+            let size = ty.check_message(message);
+            into.clear();
+            into.extend_from_slice(message.get(..*size.as_ref().unwrap_or(&0)).unwrap_or_default());
+            size.is_ok()
+        });
+        self.told(taken)
+    }
+
+    fn told(&mut self, taken: Option<bool>) -> Result<Reading, ReadError> {
+        match taken {
             None if self.read => Ok(Reading::Same),
             None => Ok(Reading::Never),
             Some(false) => Err(ReadError::Serialization),

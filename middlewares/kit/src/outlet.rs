@@ -1,5 +1,6 @@
 //! The writing end of a port, on middlewares that send encoded samples.
 
+use std::convert::Infallible;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use genom_middleware::PublishError;
@@ -65,6 +66,20 @@ impl Outlet {
             PutError::Fill(_) => PublishError::Serialization,
             PutError::Busy => PublishError::Refused,
         })
+    }
+
+    /// Queues a sample that is encoded already.
+    ///
+    /// # Errors
+    /// It is no value of the type.
+    pub fn put_message(&self, message: &[u8]) -> Result<(), PublishError> {
+        let size = self.ty.check_message(message).map_err(|_| PublishError::Serialization)?;
+        let message = message.get(..size).unwrap_or(message);
+        let put = self.mailbox.put(|buffer| {
+            buffer.extend_from_slice(message);
+            Ok::<_, Infallible>(())
+        });
+        put.map_err(|_| PublishError::Refused)
     }
 
     /// Takes the oldest sample. For the sending thread.

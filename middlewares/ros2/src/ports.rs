@@ -112,6 +112,12 @@ impl Publisher for Ros2Publisher {
         Ok(())
     }
 
+    fn publish_message(&mut self, message: &[u8]) -> Option<Result<(), PublishError>> {
+        let put = self.outlet.put_message(message);
+        self.core.orders().mark(self.line);
+        Some(put)
+    }
+
     fn dropped(&self) -> u64 {
         self.outlet.dropped()
     }
@@ -134,17 +140,27 @@ pub(crate) struct Ros2Subscription {
     core: Arc<Core>,
 }
 
-impl Subscription for Ros2Subscription {
-    fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
-        let inbox = &self.inbox;
-        let next =
-            |decode: &mut dyn FnMut(&[u8]) -> bool| inbox.mailbox.take(|message| decode(message));
-        let reading = self.intake.read(into, next);
+impl Ros2Subscription {
+    fn counted(&self, reading: Result<Reading, ReadError>) -> Result<Reading, ReadError> {
         if reading == Err(ReadError::Serialization) {
-            inbox.undecodable.fetch_add(1, Ordering::Relaxed);
+            self.inbox.undecodable.fetch_add(1, Ordering::Relaxed);
             self.core.orders().complain();
         }
         reading
+    }
+}
+
+impl Subscription for Ros2Subscription {
+    fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
+        let mailbox = &self.inbox.mailbox;
+        let reading = self.intake.read(into, |decode| mailbox.take(|message| decode(message)));
+        self.counted(reading)
+    }
+
+    fn read_message(&mut self, into: &mut Vec<u8>) -> Option<Result<Reading, ReadError>> {
+        let mailbox = &self.inbox.mailbox;
+        let reading = self.intake.read_message(into, |see| mailbox.take(|message| see(message)));
+        Some(self.counted(reading))
     }
 
     fn on_arrival(&mut self, told: Box<dyn Fn() + Send + Sync>) -> bool {

@@ -138,6 +138,12 @@ impl Publisher for ZenohPublisher {
         Ok(())
     }
 
+    fn publish_message(&mut self, message: &[u8]) -> Option<Result<(), PublishError>> {
+        let put = self.outlet.put_message(message);
+        self.core.orders().mark(self.line);
+        Some(put)
+    }
+
     fn dropped(&self) -> u64 {
         self.outlet.dropped()
     }
@@ -162,17 +168,26 @@ pub(crate) struct ZenohSubscription {
     _core: Arc<Core>,
 }
 
-impl Subscription for ZenohSubscription {
-    fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
-        let inbox = &self.inbox;
-        let next = |decode: &mut dyn FnMut(&[u8]) -> bool| {
-            inbox.mailbox.take(|arrival| arrival.read(decode))
-        };
-        let reading = self.intake.read(into, next);
+impl ZenohSubscription {
+    fn counted(&self, reading: Result<Reading, ReadError>) -> Result<Reading, ReadError> {
         if reading == Err(ReadError::Serialization) {
-            inbox.undecodable.fetch_add(1, Ordering::Relaxed);
+            self.inbox.undecodable.fetch_add(1, Ordering::Relaxed);
         }
         reading
+    }
+}
+
+impl Subscription for ZenohSubscription {
+    fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
+        let mailbox = &self.inbox.mailbox;
+        let reading = self.intake.read(into, |decode| mailbox.take(|one| one.read(decode)));
+        self.counted(reading)
+    }
+
+    fn read_message(&mut self, into: &mut Vec<u8>) -> Option<Result<Reading, ReadError>> {
+        let mailbox = &self.inbox.mailbox;
+        let reading = self.intake.read_message(into, |see| mailbox.take(|one| one.read(see)));
+        Some(self.counted(reading))
     }
 
     fn on_arrival(&mut self, told: Box<dyn Fn() + Send + Sync>) -> bool {

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::{FAST, Trial, exception, grown, told};
 use crate::faults::{Fault, Outcome, Seen};
-use crate::{Daemon, Footprint, Home, component, request, until};
+use crate::{Daemon, Footprint, Home, component, request, until, until_at_leisure};
 
 /// Name of the cell that is struck.
 const STRUCK: &str = "struck";
@@ -37,7 +37,9 @@ impl Trial {
             let begin = Instant::now();
             seen = called(&daemon, fault);
             if !fault.outcome.goes_on() {
-                until("it comes back", || cell(&daemon)["starts"] != starts && wired(&daemon));
+                until_at_leisure("it comes back", || {
+                    cell(&daemon)["starts"] != starts && wired(&daemon)
+                });
                 back.push(begin.elapsed());
             }
         }

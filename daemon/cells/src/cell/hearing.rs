@@ -11,7 +11,6 @@ use super::supervised::VIOLATED;
 use crate::crashes::{DumpError, Known};
 use crate::end::End;
 use crate::follow::Events;
-use crate::journal;
 use crate::setup::Told;
 use crate::shelf::create;
 
@@ -74,7 +73,7 @@ impl Cell {
         if asked || in_order || self.is_stopping() {
             return asked;
         }
-        let held = journal::read(&self.place.journal()).unwrap_or_default();
+        let held = self.journal.read().unwrap_or_default();
         let (reports, cell) = (&self.setup.reports, (self.name.as_str(), pid));
         let seen = reports.look(cell, end, &self.place.note(), &held.component, &known);
         let (Some(seen), setup) = (seen, std::sync::Arc::clone(&self.setup)) else { return false };

@@ -8,7 +8,6 @@ use serde_json::Value;
 
 use super::Cell;
 use crate::end::End;
-use crate::journal;
 use crate::policy::First;
 use crate::setup::{Cause, Failure, Told};
 
@@ -53,7 +52,7 @@ impl Cell {
             }
         }
         let index = usize::try_from(index).unwrap_or(usize::MAX);
-        let written = journal::read(&self.place.journal()).unwrap_or_default();
+        let written = self.journal.read().unwrap_or_default();
         let rule = match rule_of(&written, component, index) {
             Some(rule) => Some(rule),
             // Loaded just now, and not written down yet.
@@ -68,7 +67,8 @@ impl Cell {
         let reactions: Vec<Reaction> = rule.others().filter(elsewhere).cloned().collect();
         if !reactions.is_empty() {
             let component = component.to_owned();
-            let failure = Failure { component, reactions, seen, cause: Cause::BrokenRule };
+            let cause = Cause::BrokenRule;
+            let failure = Failure { component, reactions, seen, cause, under_way: None };
             self.setup.tell(Told::Failed(failure));
         }
     }

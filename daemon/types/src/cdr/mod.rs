@@ -16,10 +16,12 @@
 //! Written little endian; read in both byte orders. Bytes after the value are ignored: DDS pads
 //! messages.
 
+mod check;
 mod decode;
 mod encode;
 mod error;
 pub(crate) mod plan;
+mod reader;
 mod size;
 pub(crate) mod step;
 

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex};
 
 use genom_kit::sender;
 use genom_middleware::{
-    Client, Publisher, Reading, Replies, Running, Served, ServiceType, Subscription,
+    Client, Publisher, ReadError, Reading, Replies, Running, Served, ServiceType, Subscription,
 };
 use genom_types::{DataType, Record};
 
@@ -39,7 +39,7 @@ pub(super) enum Asked {
     Message(Box<dyn FnOnce(Vec<u8>) + Send>),
 }
 
-/// A publisher, and what a sample is decoded into.
+/// A publisher, and what a sample is decoded into where it has to be.
 pub(super) struct Writer {
     end: u32,
     publisher: Box<dyn Publisher>,
@@ -58,11 +58,19 @@ impl Writer {
     }
 
     pub(super) fn write(&mut self, message: &[u8], mouth: &Mouth) {
-        let read = self.record.replace_from_message(message, &mut self.scratch);
-        if read.is_err() || self.publisher.publish(&self.record).is_err() {
+        if !self.passes(message) {
             self.refused += 1;
         }
         self.tell_lost(mouth);
+    }
+
+    /// Publishes a sample: as it is, where the middleware takes that.
+    fn passes(&mut self, message: &[u8]) -> bool {
+        if let Some(published) = self.publisher.publish_message(message) {
+            return published.is_ok();
+        }
+        let read = self.record.replace_from_message(message, &mut self.scratch);
+        read.is_ok() && self.publisher.publish(&self.record).is_ok()
     }
 
     /// Tells the proxy how many samples are lost, if it does not know.
@@ -98,21 +106,32 @@ impl Feed {
     }
 }
 
+impl Feed {
+    /// The next sample as a message: as it came, where the middleware gives that.
+    fn read(&mut self) -> Result<Reading, ReadError> {
+        if let Some(read) = self.subscription.read_message(&mut self.message) {
+            return read;
+        }
+        let read = self.subscription.read(&mut self.record)?;
+        if read == Reading::New {
+            self.message.clear();
+            let encoded = self.record.encode_message(&mut self.message);
+            encoded.map_err(|_| ReadError::Serialization)?;
+        }
+        Ok(read)
+    }
+}
+
 impl sender::Line for Feed {
     fn send(&mut self) -> bool {
-        let read = self.subscription.read(&mut self.record);
+        let read = self.read();
         let lost = self.subscription.dropped();
         if lost != self.lost {
             self.lost = lost;
             self.mouth.say(&Down::Lost { end: self.end, count: lost }, &[]);
         }
         match read {
-            Ok(Reading::New) => {
-                self.message.clear();
-                // What was decoded can be encoded.
-                self.record.encode_message(&mut self.message).is_ok()
-                    && self.mouth.sample(self.end, &self.message)
-            }
+            Ok(Reading::New) => self.mouth.sample(self.end, &self.message),
             Ok(Reading::Same | Reading::Never) => false,
             // It counts as lost; there may be more.
             Err(_) => true,

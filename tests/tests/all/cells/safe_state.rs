@@ -1,6 +1,6 @@
 //! What is done of other components when the cell of one ends by a fault.
 
-use genom_tests::{Daemon, Home, component, path, request};
+use genom_tests::{Daemon, Home, component, path, request, until};
 use serde_json::{Value, json};
 
 use super::{cell, signal};
@@ -43,7 +43,26 @@ fn the_safe_state_is_entered_before_the_cell_that_failed_starts_again() {
     done.sort();
     assert_eq!(done, ["call demo/set_speed", "fire demo/emergency", "start demo/goto"]);
     assert_eq!(speed(&daemon), json!(0.5));
-    assert_eq!(cell(&daemon, "arm")["state"], "waiting");
+    // It is done before the report, the end of what the cell left, and all else.
+    until("the cell waits", || cell(&daemon, "arm")["state"] == "waiting");
+}
+
+#[test]
+fn a_cell_that_is_to_start_at_once_starts_after_the_safe_state() {
+    let at_once = "[cells]\nrestart_most = 1000\nrestart_delay = 0.0\n";
+    let elsewhere = robot("cell = \"base\"", "", SLOW_DOWN) + at_once;
+    let daemon = Home::new().configured(&elsewhere).start(&[]);
+    let mut events = daemon.events();
+    for _ in 0..5 {
+        signal(&daemon, "arm", "KILL");
+        let next = |event: &Value| {
+            let runs = event["event"] == "cell_runs" && event["cell"] == "arm";
+            runs || event["event"] == "failure_reaction"
+        };
+        let told = events.wait_for(next);
+        assert_eq!((&told["event"], &told["error"]), (&json!("failure_reaction"), &Value::Null));
+        assert_eq!(events.wait_for(next)["event"], "cell_runs");
+    }
 }
 
 #[test]

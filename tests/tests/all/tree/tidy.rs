@@ -80,6 +80,7 @@ const CELLS: &[&str] = &[
     "genom-configuration",
     "genom-gateway",
     "genom-host",
+    "genom-kit",
     "genom-limits",
     "genom-nearest",
     "genom-ports",
@@ -187,7 +188,7 @@ const FLOORS: &[(&str, &str)] = &[
     ),
     (
         "cells",
-        "end policy shelf theirs place snapshots journal client crashes follow remains blackbox process bell setup cell round \
+        "end done dying policy shelf theirs place snapshots journal client crashes follow remains blackbox process bell setup cell round \
          asking cells gateway unmatched own react merge record unload wire deploy thaw lib",
     ),
     ("genomd", "refusal cli announcements startup settings daemon rpc signals life run check main"),
