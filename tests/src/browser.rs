@@ -183,6 +183,22 @@ impl Browser {
         self.runtime.block_on(self.client.perform_actions(click)).expect("the mouse clicks");
     }
 
+    /// Presses the left button on an element and keeps it down, until [`release`](Self::release).
+    #[track_caller]
+    pub fn hold(&self, css: &str) {
+        let [x, y] = self.middle(css);
+        let down = MouseActions::new("mouse".to_owned())
+            .then(PointerAction::MoveTo { duration: None, x, y })
+            .then(PointerAction::Down { button: MOUSE_BUTTON_LEFT });
+        self.runtime.block_on(self.client.perform_actions(down)).expect("the mouse is pressed");
+    }
+
+    /// Lets go of what is held down.
+    #[track_caller]
+    pub fn release(&self) {
+        self.runtime.block_on(self.client.release_actions()).expect("it is let go");
+    }
+
     /// Presses keys on whatever has the focus.
     #[track_caller]
     pub fn type_keys(&self, keys: &str) {

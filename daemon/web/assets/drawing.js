@@ -9,7 +9,8 @@ import { route } from "./wires.js";
 const COLORS = { local: 1, shm: 2, zenoh: 3, ros2: 4 };
 export const color = (backend) => `m${COLORS[backend] ?? 5}`;
 const short = (text, most) => text.length > most ? `${text.slice(0, most - 1)}…` : text;
-const DX = 10;
+/** Room for a connection at the side of a folded node. */
+const BETWEEN = 10;
 
 export class Drawing {
   #edges = svg("g");
@@ -82,7 +83,7 @@ export class Drawing {
       const from = { x: source.x + WIDTH, y: source.y + ends.get(one).out };
       const to = { x: target.x, y: target.y + ends.get(one).in };
       const d = route(from, stops[index], to);
-      const label = about(one);
+      const label = visible(about(one));
       let line = this.#lines.get(one.key);
       if (!line) {
         line = lineOf(one);
@@ -190,7 +191,7 @@ function heights(nodes, edges) {
   const height = new Map(nodes.map((node) => {
     const shown = node.folded ? 0 : Math.max(1, node.rows.in.length, node.rows.out.length);
     const most = Math.max(count.get(`in ${node.id}`) ?? 0, count.get(`out ${node.id}`) ?? 0);
-    return [node.id, Math.max(heightOf(shown), Math.min(150, most * DX + 8))];
+    return [node.id, Math.max(heightOf(shown), Math.min(150, most * BETWEEN + 8))];
   }));
   const ends = new Map(edges.map((one) => [one, {
     out: rows.get(one.from.port) ?? height.get(one.from.node) / 2,
@@ -229,10 +230,10 @@ function nodeOf(node, height) {
   // Names are cut here, and whole in labels.
   const words = [svg("text", { x: 14, y: under ? 18 : 24, class: "what", "aria-hidden": "true" }, short(shown, 20)),
     svg("text", { x: WIDTH / 2, y: height / 2 + size * 0.35, class: `large s${size}`, "font-size": size, "aria-hidden": "true" }, short(shown, 14)),
-    svg("title", {}, [node.name, under, component?.state].filter(Boolean).join(", "))];
+    svg("title", {}, visible([node.name, under, component?.state].filter(Boolean).join(", ")))];
   const title = kind === "component"
-    ? svg("a", { href: pageOf(node.name), "data-within": true, "data-key": node.id, "aria-label": `component ${node.name}` }, words)
-    : svg("g", { tabindex: 0, role: "button", "data-key": node.id, "aria-label": `${kind} ${node.name}` }, words);
+    ? svg("a", { href: pageOf(node.name), "data-within": true, "data-key": node.id, "aria-label": `component ${shown}` }, words)
+    : svg("g", { tabindex: 0, role: "button", "data-key": node.id, "aria-label": `${kind} ${shown}` }, words);
   const made = svg("g", { class: `node ${kind}${well ? "" : " bad"}${node.beside ? " beside" : ""}`, "data-node": node.name, "data-id": node.id },
     node.kind === "cell" && svg("rect", { class: "behind", x: 5, y: 5, width: WIDTH, height, rx: 9 }),
     svg("rect", { class: "body", width: WIDTH, height, rx: 9 }), title,
@@ -240,7 +241,7 @@ function nodeOf(node, height) {
     !well && svg("text", { x: WIDTH - 34, y: 18, class: "state" }, short(component.state, 12)),
     kind === "component" && svg("text", { x: WIDTH - 34, y: !well ? 32 : under ? 18 : 24, class: "work-now" }, document.createTextNode("")),
     kind !== "peer" && svg("g", { class: "fold", tabindex: -1, role: "button", "data-key": `fold ${node.id}`, "aria-expanded": String(!node.folded),
-      "aria-label": `${node.folded ? "Unfold" : "Fold"} ${node.name}` },
+      "aria-label": `${node.folded ? "Unfold" : "Fold"} ${shown}` },
     svg("rect", { x: WIDTH - 28, y: 4, width: 24, height: TITLE - 10, rx: 5 }),
     svg("path", { d: node.folded ? `M${WIDTH - 19} 14 l5 4 l-5 4` : `M${WIDTH - 20} 16 l4 5 l4 -5` })),
     !node.folded && svg("line", { x1: 0, x2: WIDTH, y1: TITLE, y2: TITLE }));
@@ -253,7 +254,7 @@ function portOf(port, row) {
   const [y, edge] = [middle(row), out ? WIDTH : 0];
   const own = port.address.split("/").slice(1).join("/") || port.address;
   const what = port.remote ? "remote" : port.service ? "service" : `${port.way} port`;
-  const label = `${what} ${port.address}${port.type ? `, type ${port.type}` : ""}${port.foreign ? ", of another program" : ""}`;
+  const label = visible(`${what} ${port.address}${port.type ? `, type ${port.type}` : ""}${port.foreign ? ", of another program" : ""}`);
   const kind = [port.way, port.remote && "remote", port.service && "service", port.awaited && "awaited"].filter(Boolean).join(" ");
   // Readers elsewhere have no names of their own.
   const isOurs = !(port.foreign && port.way === "in");

@@ -23,9 +23,10 @@ export function pointer(canvas, view, line, acts) {
     const start = { x: event.clientX, y: event.clientY };
     const begun = acts.begin(key, event);
     let drags = false;
-    let long = setTimeout(() => {
+    const long = setTimeout(() => {
       end();
       pressed = true;
+      addEventListener("pointerup", () => setTimeout(() => { pressed = false; }), { once: true });
       acts.menu(key, start);
     }, LONG);
     const move = (now) => {

@@ -1,6 +1,6 @@
 // A menu beside a pointer or an element, worked with mouse, fingers and keys.
 
-import { el } from "./dom.js";
+import { el, visible } from "./dom.js";
 
 let open = null;
 
@@ -11,7 +11,7 @@ export function closeMenu() {
 /** `items`: `[text, act, { danger }]`, or a text alone, which is a heading. `back` gets the focus again. */
 export function menu({ x, y }, label, items, back = document.activeElement) {
   closeMenu();
-  const node = el("div", { class: "menu", role: "menu", "aria-label": label, id: "menu" });
+  const node = el("div", { class: "menu", role: "menu", "aria-label": visible(label), id: "menu" });
   const close = (again = true) => {
     if (open?.node !== node) return;
     open = null;

@@ -60,6 +60,16 @@ fn a_hundred_components_stay_readable_are_found_and_unfolded() {
         "rates are shown",
         "[...document.querySelectorAll('.rate')].filter((one) => one.textContent.includes('Hz')).length > 300",
     );
+    // From afar only names are shown; nearer, also ports.
+    browser.until("all is seen from afar", "document.querySelector('#graph.far')");
+    let shown = "getComputedStyle(document.querySelector('.node:not(.away) .port text')).display !== 'none'";
+    assert_eq!(browser.ask(&format!("return {shown}")), false);
+    for _ in 0..6 {
+        browser.click("[aria-label=Larger]");
+    }
+    browser.until("ports are named", shown);
+    browser.click("[aria-label^=Fit]");
+    browser.until("all is seen again", "document.querySelector('#graph.far')");
 }
 
 #[test]

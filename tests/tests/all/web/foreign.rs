@@ -92,6 +92,12 @@ fn whatever_a_peer_calls_its_topics_is_shown_as_text() {
         "its menu is open",
         "document.getElementById('menu')?.innerText.includes('⟨U+202E⟩')",
     );
+    // Nor does a tooltip or a label for screen readers turn its direction.
+    let turned = browser.ask(
+        "return [...document.querySelectorAll('#graph *')].some((one) => one.textContent.includes('\\u202e') \
+         || [...one.attributes].some(({ name, value }) => !name.startsWith('data-') && value.includes('\\u202e')))",
+    );
+    assert_eq!(turned, json!(false));
     let made =
         browser.ask("return document.querySelectorAll('main img, script:not([src]), b, i').length");
     assert_eq!((made, browser.ask("return window.hacked ?? null")), (json!(0), json!(null)));

@@ -128,6 +128,23 @@ fn the_menu_changes_the_policy_and_disconnects_by_mouse_and_by_keyboard() {
 }
 
 #[test]
+fn a_long_press_opens_the_menu_and_is_no_click() {
+    let (_daemon, browser) = shown("read,wire");
+    browser.hold("[data-port='mission/position']");
+    browser.until_shown("Read an out port…");
+    browser.release();
+    browser.until("the menu stays", "document.getElementById('menu')");
+    assert_eq!(browser.ask("return document.querySelector('#graph .picked')"), json!(null));
+    browser.type_keys(ESCAPE);
+    browser.until("it is closed", "!document.getElementById('menu')");
+    assert_eq!(
+        browser.ask("return document.activeElement.dataset.port"),
+        json!("mission/position"),
+        "the focus is where it was"
+    );
+}
+
+#[test]
 fn an_end_of_a_connection_is_dragged_to_another_in_port() {
     let (demo, mission) = (component("demo"), component("mission"));
     let instance = |name| {
