@@ -124,7 +124,7 @@ pub use state::{
     FrozenActivity, FrozenCall, FrozenComponent, FrozenPhase, FrozenState, FrozenValue, FrozenWait,
     Restore, Resumption,
 };
-pub use statistics::{CodelStatistics, Durations, Statistics, TaskStatistics};
+pub use statistics::{CodelStatistics, Durations, Statistics, TaskStatistics, Yielded};
 pub use supervision::{
     Condition, Kind, MOST_RULES, NoRule, OwnResponse, Response, Rule, SupervisionEntry, Whose,
 };

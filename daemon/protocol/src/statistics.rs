@@ -53,10 +53,24 @@ pub struct CodelStatistics {
     pub owner: String,
     /// Execution times of the codel.
     pub durations: Durations,
+    /// What it returned at least once.
+    #[serde(default)]
+    pub yielded: Vec<Yielded>,
     /// Its declared worst-case execution time.
     pub wcet_ns: Option<u64>,
     /// Calls that took longer than that.
     pub above_wcet: u64,
+}
+
+/// Something that a codel returned, and how often.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub struct Yielded {
+    /// A state as codels name it (`main`, `pause::main`), the full name of an exception, `ok`, or
+    /// `other` for all that the codel must not return.
+    pub event: String,
+    /// How often.
+    pub count: u64,
 }
 
 /// Statistics of a duration.
@@ -73,6 +87,9 @@ pub struct Durations {
     pub p50_ns: u64,
     /// The 99th percentile.
     pub p99_ns: u64,
+    /// The minimum; 0 when there is no measurement.
+    #[serde(default)]
+    pub min_ns: u64,
     /// The maximum.
     pub max_ns: u64,
 }

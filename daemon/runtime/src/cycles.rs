@@ -164,6 +164,7 @@ impl Cycles {
             figures.last_ns = for_ns;
             figures.p50_ns = for_ns;
             figures.p99_ns = for_ns;
+            figures.min_ns = for_ns;
         }
         figures.count = total.cycles;
         figures.mean_ns = total.busy_ns.checked_div(total.cycles).unwrap_or_default();
@@ -199,7 +200,7 @@ mod tests {
         assert_eq!(cycles.lasting(1000).unwrap().steps, 0);
         let figures = cycles.read(1010);
         assert_eq!((figures.count, figures.mean_ns), (2, 30));
-        assert_eq!((figures.last_ns, figures.max_ns), (50, 50));
+        assert_eq!((figures.last_ns, figures.min_ns, figures.max_ns), (50, 50, 50));
     }
 
     #[test]

@@ -14,6 +14,8 @@ pub(crate) struct Histogram {
     count: AtomicU64,
     sum: AtomicU64,
     last: AtomicU64,
+    /// `u64::MAX` before the first.
+    min: AtomicU64,
     max: AtomicU64,
     /// Counts, in buckets that grow logarithmically.
     buckets: Box<[AtomicU32]>,
@@ -32,6 +34,8 @@ pub struct Durations {
     pub p50_ns: u64,
     /// 99th percentile.
     pub p99_ns: u64,
+    /// Shortest since the start; 0 when there is no measurement.
+    pub min_ns: u64,
     /// Longest since the start.
     pub max_ns: u64,
 }
@@ -48,6 +52,7 @@ impl Default for Histogram {
             count: zero(),
             sum: zero(),
             last: zero(),
+            min: AtomicU64::new(u64::MAX),
             max: zero(),
             buckets: (0..BUCKETS).map(|_| AtomicU32::new(0)).collect(),
         }
@@ -59,6 +64,9 @@ impl Histogram {
         add(&self.count, 1);
         add(&self.sum, ns);
         self.last.store(ns, Ordering::Relaxed);
+        if ns < self.min.load(Ordering::Relaxed) {
+            self.min.store(ns, Ordering::Relaxed);
+        }
         if ns > self.max.load(Ordering::Relaxed) {
             self.max.store(ns, Ordering::Relaxed);
         }
@@ -97,6 +105,8 @@ impl Histogram {
             mean_ns: self.sum.load(Ordering::Relaxed).checked_div(count).unwrap_or(0),
             p50_ns: quantile(50),
             p99_ns: quantile(99),
+            // Recorded after the count: a reader may come between the two.
+            min_ns: Some(self.min.load(Ordering::Relaxed)).filter(|ns| *ns < u64::MAX).unwrap_or(0),
             max_ns: max,
         }
     }
@@ -154,6 +164,7 @@ mod tests {
         (1..=1000).for_each(|ns| histogram.record(ns * 1000));
         let read = histogram.read();
         assert_eq!((read.count, read.last_ns, read.max_ns), (1000, 1_000_000, 1_000_000));
+        assert_eq!((read.min_ns, Histogram::default().read().min_ns), (1000, 0));
         assert_eq!(read.mean_ns, 500_500);
         assert!((490_000..510_000).contains(&read.p50_ns), "{}", read.p50_ns);
         assert!((980_000..=1_000_000).contains(&read.p99_ns), "{}", read.p99_ns);

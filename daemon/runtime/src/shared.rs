@@ -9,7 +9,7 @@ use genom_description::model::{CodelIx, Indexed, Owner, StateIx, TaskIx};
 use rtrb::Producer;
 
 use crate::at_work::AtWork;
-use crate::body::Body;
+use crate::body::{Body, Returned};
 use crate::clock::Clock;
 use crate::exclusion::{Exclusion, PiLock};
 use crate::figures::{CodelFigures, TaskFigures};
@@ -103,7 +103,7 @@ impl Shared {
                 .into_iter()
                 .map(|timing| TaskShared::new(timing, sinks, call.clone()))
                 .collect(),
-            codels: model.codels.iter().map(|_| CodelFigures::default()).collect(),
+            codels: model.codels.places().map(|ix| CodelFigures::new(plan.yields(ix))).collect(),
             rules: Rules::new(plan, rules),
             at_work: (0..contexts).map(|_| AtWork::default()).collect(),
             control: OnceLock::new(),
@@ -129,18 +129,18 @@ impl Shared {
         if self.stopping.load(Ordering::Acquire) { now } else { now + RESPONSE }
     }
 
-    /// Records a call of a codel that began at `since` in this context, and its duration. Tells the
-    /// rules that it breaks by that, with their indices.
+    /// Records a call of a codel that began at `since` in this context, what it returned, and its
+    /// duration. Tells the rules that it breaks by that, with their indices.
     #[inline]
     pub(crate) fn called(
         &self,
         codel: CodelIx,
-        ns: u64,
+        (returned, ns): (Returned, u64),
         call: (usize, u64),
         tell: impl FnMut(usize, Fact),
     ) {
         let figures = &self.codels[codel];
-        figures.durations.record(ns);
+        figures.returned(self.plan.yields(codel), returned, ns);
         let bound = self.rules.bound(codel);
         if ns > bound.longest {
             if ns > bound.wcet {

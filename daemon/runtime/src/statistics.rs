@@ -46,6 +46,10 @@ pub struct CodelStatistics {
     pub owner: String,
     /// Durations of calls.
     pub durations: Durations,
+    /// What it returned at least once, and how often: states as codels name them (`main`,
+    /// `pause::main`), exceptions by their full names, `ok`, and `other` for all that it must not
+    /// return.
+    pub yielded: Vec<(String, u64)>,
     /// Its declared worst-case execution time (`wcet`), in nanoseconds.
     pub wcet_ns: Option<u64>,
     /// Calls that took longer than that.

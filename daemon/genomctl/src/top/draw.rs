@@ -209,7 +209,15 @@ mod tests {
     use std::time::{Duration, Instant};
 
     fn durations(ns: u64) -> Durations {
-        Durations { count: 900, last_ns: ns, mean_ns: ns, p50_ns: ns, p99_ns: ns, max_ns: ns }
+        Durations {
+            count: 900,
+            last_ns: ns,
+            mean_ns: ns,
+            p50_ns: ns,
+            p99_ns: ns,
+            min_ns: ns,
+            max_ns: ns,
+        }
     }
 
     fn snapshot(samples: u64, taken: Instant) -> Snapshot {

@@ -1,7 +1,7 @@
-//! `genomctl stats`: shows statistics of tasks.
+//! `genomctl stats`: shows statistics of tasks and codels.
 
 use clap_complete::engine::ArgValueCompleter;
-use genom_protocol::{RunningCodel, Statistics, Unpaused, routes};
+use genom_protocol::{CodelStatistics, RunningCodel, Statistics, Unpaused, routes};
 
 use crate::complete::Names;
 use crate::failure::Failure;
@@ -9,17 +9,20 @@ use crate::session::Session;
 use crate::table::Table;
 use crate::units::duration;
 
-/// Show the statistics of the tasks of a component.
+/// Show the statistics of the tasks of a component, or of its codels.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Instance name of the component.
     #[arg(add = ArgValueCompleter::from(Names::Components))]
     component: String,
+    /// Show its codels: how long calls took, and what they returned how often.
+    #[arg(long)]
+    codels: bool,
 }
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let reply = session.ask(routes::statistics(&args.component)).await?;
-    session.show_table(&reply, render)?;
+    session.show_table(&reply, if args.codels { codels } else { render })?;
     for task in &reply.content.tasks {
         if let Some(RunningCodel { codel, for_ns, .. }) = &task.stuck {
             let (name, time) = (&task.name, for_ns / 1_000_000_000);
@@ -63,6 +66,27 @@ fn render(reply: &Statistics) -> Table {
     Table { header, rows }
 }
 
+fn codels(reply: &Statistics) -> Table {
+    let row = |codel: &CodelStatistics| {
+        let of = &codel.durations;
+        let yielded = codel.yielded.iter().map(|one| format!("{} {}", one.event, one.count));
+        vec![
+            codel.name.clone(),
+            codel.owner.clone(),
+            of.count.to_string(),
+            duration(of.min_ns),
+            duration(of.mean_ns),
+            duration(of.max_ns),
+            codel.wcet_ns.map_or_else(|| "-".to_owned(), duration),
+            codel.above_wcet.to_string(),
+            yielded.collect::<Vec<_>>().join(", "),
+        ]
+    };
+    let header =
+        vec!["CODEL", "OF", "CALLS", "SHORTEST", "MEAN", "LONGEST", "WCET", "ABOVE", "YIELDED"];
+    Table { header, rows: reply.codels.iter().map(row).collect() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -81,5 +105,21 @@ mod tests {
             main  5.000 ms  no         7       0         900 ns  900 ns   85.000 us
         "#]]
         .assert_eq(&render(&reply.unwrap()).text(crate::terminal::Terminal::default()));
+    }
+
+    #[test]
+    fn a_codel_is_one_line_with_what_it_returned() {
+        let durations = json!({"count": 7, "last_ns": 900, "mean_ns": 900, "p50_ns": 900,
+            "p99_ns": 900, "min_ns": 20, "max_ns": 3_000});
+        let reply = serde_json::from_value(json!({"tasks": [], "codels": [{
+            "name": "servo", "owner": "goto", "durations": durations, "wcet_ns": 2_000,
+            "above_wcet": 1,
+            "yielded": [{"event": "pause::main", "count": 6}, {"event": "ether", "count": 1}],
+        }], "lost_changes": 0}));
+        expect![[r#"
+            CODEL  OF    CALLS  SHORTEST  MEAN    LONGEST   WCET      ABOVE  YIELDED
+            servo  goto  7      20 ns     900 ns  3.000 us  2.000 us  1      pause::main 6, ether 1
+        "#]]
+        .assert_eq(&codels(&reply.unwrap()).text(crate::terminal::Terminal::default()));
     }
 }

@@ -84,6 +84,11 @@ fn describe(page: &mut Page, hosted: &Hosted) {
     for codel in &statistics.codels {
         let labels = [own[0], ("owner", codel.owner.as_str()), ("codel", codel.name.as_str())];
         durations(page, "genom_codel_seconds", "Time in a codel.", &labels, &codel.durations);
+        for (event, times) in &codel.yielded {
+            let labels = [labels[0], labels[1], labels[2], ("event", event.as_str())];
+            let help = "What a codel returned.";
+            page.add("genom_codel_yields_total", COUNTER, help, &labels, count(*times));
+        }
         let help = "Calls longer than the stated wcet.";
         page.add("genom_codel_above_wcet_total", COUNTER, help, &labels, count(codel.above_wcet));
     }
@@ -122,7 +127,7 @@ fn count(value: u64) -> f64 {
 
 /// Adds the distribution of durations, in seconds.
 fn durations(page: &mut Page, name: &str, help: &str, labels: &[(&str, &str)], of: &Durations) {
-    let quantiles = [("0.5", of.p50_ns), ("0.99", of.p99_ns), ("1", of.max_ns)];
+    let quantiles = [("0", of.min_ns), ("0.5", of.p50_ns), ("0.99", of.p99_ns), ("1", of.max_ns)];
     let quantiles = quantiles.map(|(quantile, ns)| (quantile, count(ns) / 1e9));
     let sum = count(of.mean_ns) * count(of.count) / 1e9;
     page.summary(name, help, labels, &quantiles, (sum, count(of.count)));

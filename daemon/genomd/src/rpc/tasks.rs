@@ -5,7 +5,7 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use genom_doors::RpcError;
-use genom_protocol::{CodelStatistics, Durations, Statistics, TaskStatistics};
+use genom_protocol::{CodelStatistics, Durations, Statistics, TaskStatistics, Yielded};
 use genom_runtime as runtime;
 use genom_supervisor::Supervisor;
 
@@ -14,7 +14,8 @@ use crate::rpc::components;
 
 /// Get the statistics of a component's tasks and codels.
 ///
-/// Durations are in nanoseconds: `count`, `last_ns`, `mean_ns`, `p50_ns`, `p99_ns`, `max_ns`.
+/// Durations are in nanoseconds: `count`, `last_ns`, `mean_ns`, `p50_ns`, `p99_ns`, `min_ns`,
+/// `max_ns`.
 #[utoipa::path(
     get,
     path = "/components/{component}/tasks",
@@ -52,12 +53,13 @@ fn codel(of: runtime::CodelStatistics) -> CodelStatistics {
         name: of.name,
         owner: of.owner,
         durations: durations(of.durations),
+        yielded: of.yielded.into_iter().map(|(event, count)| Yielded { event, count }).collect(),
         wcet_ns: of.wcet_ns,
         above_wcet: of.above_wcet,
     }
 }
 
 fn durations(of: runtime::Durations) -> Durations {
-    let runtime::Durations { count, last_ns, mean_ns, p50_ns, p99_ns, max_ns } = of;
-    Durations { count, last_ns, mean_ns, p50_ns, p99_ns, max_ns }
+    let runtime::Durations { count, last_ns, mean_ns, p50_ns, p99_ns, min_ns, max_ns } = of;
+    Durations { count, last_ns, mean_ns, p50_ns, p99_ns, min_ns, max_ns }
 }

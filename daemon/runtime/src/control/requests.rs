@@ -359,7 +359,8 @@ impl Engine {
         at_work.ends();
         drop(permit);
         let ns = shared.clock.now().saturating_sub(called);
-        shared.called(codel, ns, (context, since), |rule, fact| self.violated_aside(rule, fact));
+        let call = (context, since);
+        shared.called(codel, (returned, ns), call, |rule, fact| self.violated_aside(rule, fact));
         Ok(returned)
     }
 

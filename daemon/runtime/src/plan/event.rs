@@ -79,6 +79,12 @@ impl EventSet {
         Self(events.iter().map(is_thrown).collect())
     }
 
+    /// The events of the set.
+    pub(super) fn events(&self) -> impl Iterator<Item = EventId> + '_ {
+        let all = self.0.iter().zip(0u16..);
+        all.filter(|(is_in, _)| **is_in).map(|(_, rank)| EventId(rank))
+    }
+
     /// Whether the set contains this event.
     #[must_use]
     pub fn contains(&self, event: EventId) -> bool {

@@ -10,6 +10,7 @@ mod machine;
 mod node;
 mod owner;
 mod service;
+mod yields;
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -29,6 +30,7 @@ pub use machine::{Machine, Transition};
 pub use node::Nodes;
 pub(crate) use owner::owner_name;
 pub use service::{Builtin, ServicePlan};
+pub(crate) use yields::Yields;
 
 /// Limit on the codels of a component: machines hold their indices in 16 bits, see [`Ix16`].
 const MOST_CODELS: usize = 1 << 16;
@@ -48,6 +50,8 @@ pub struct Plan {
     /// Machines of permanent activities by task, then of services, see [`ServicePlan::machine`].
     machines: Vec<Machine>,
     services: Indexed<ServiceIx, ServicePlan>,
+    /// For each codel, where what it returns is counted.
+    yields: Indexed<CodelIx, Yields>,
     nodes: Nodes,
     /// Type of each port, in the model's order.
     ports: Indexed<PortIx, DataType>,
@@ -75,6 +79,7 @@ impl Plan {
         let machines = machine::machines(model)?;
         let transitions = machine::transitions(model, &events, &machines);
         let services = service::services(model, &specification.types, &events, &machines)?;
+        let yields = yields::yields(model, &transitions, &services);
         let nodes = Nodes::new(model);
         let mut ports = Vec::new();
         for port in &model.ports {
@@ -91,6 +96,7 @@ impl Plan {
             transitions,
             machines,
             services,
+            yields,
             nodes,
             ports: ports.into_iter().collect(),
             state_port,
@@ -177,6 +183,12 @@ impl Plan {
     #[must_use]
     pub fn transitions(&self, codel: CodelIx) -> &[Transition] {
         self.transitions.get(codel).map_or(&[], |table| table)
+    }
+
+    /// Where what this codel returns is counted.
+    #[inline]
+    pub(crate) fn yields(&self, codel: CodelIx) -> &Yields {
+        &self.yields[codel]
     }
 
     /// The exclusion nodes and their conflicts.

@@ -175,7 +175,8 @@ impl Calls for Caller<'_> {
         let end = shared.clock.now();
         let ns = end.saturating_sub(self.now);
         self.now = end;
-        shared.called(codel, ns, (context, since), |rule, fact| self.violated(run, rule, fact));
+        let call = (context, since);
+        shared.called(codel, (returned, ns), call, |rule, fact| self.violated(run, rule, fact));
         returned
     }
 
