@@ -2,6 +2,7 @@
 //! if clients request few services.
 
 use crate::explore::{Limit, Limits};
+use crate::played::Course;
 use crate::property::needed;
 use crate::schedule::{Processors, Scheduled};
 use crate::system::System;
@@ -27,6 +28,7 @@ impl System {
                 let run = parts.iter().find_map(|part| walk(part, times, task));
                 if let Some(run) = run {
                     report.tasks[at].overrun = self.dated(times, &run);
+                    report.tasks[at].course = Course { steps: run };
                     report.tasks[at].open = false;
                 }
             }

@@ -28,7 +28,7 @@ impl Dates {
         /// Both clocks are read this often and the closest pair is used: the thread may be
         /// preempted between the two readings.
         const READINGS: usize = 8;
-        if let Clock::Virtual(_) = &self.0 {
+        if let Clock::Virtual(_) | Clock::Staged(_) = &self.0 {
             return Calendar::default();
         }
         let readings = (0..READINGS).map(|_| {
@@ -42,7 +42,7 @@ impl Dates {
     /// The date, in nanoseconds since 1970; with a virtual clock, since its start.
     pub fn now(&self) -> u64 {
         match &self.0 {
-            Clock::Virtual(clock) => clock.now(),
+            Clock::Virtual(_) | Clock::Staged(_) => self.0.now(),
             Clock::Monotonic => {
                 let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
                 since.map_or(0, nanos)

@@ -37,6 +37,7 @@ mod rules;
 mod running;
 mod shared;
 mod shutdown;
+mod staged;
 mod start;
 mod statistics;
 mod still;
@@ -54,7 +55,7 @@ pub use api::{
     ActivityPhase, ConnectionError, Exception, Inputs, OnShutdown, Outcome, Partial, Progress,
     Reply, Supervision, input_record,
 };
-pub use clock::{Clock, VirtualClock, nanos};
+pub use clock::{Clock, OnStage, Stage, Turn, VirtualClock, nanos};
 pub use engine::{ActivityStatus, NoSuchActivity};
 pub use executor::Executor;
 pub use freeze::FreezeError;

@@ -118,7 +118,7 @@ impl Engine {
         }
         let single = match (&clock, &options.execution) {
             (Clock::Monotonic, Execution::Single(executor)) => Some(Arc::clone(executor)),
-            (Clock::Virtual(_), _) | (_, Execution::Threads) => None,
+            (Clock::Virtual(_) | Clock::Staged(_), _) | (_, Execution::Threads) => None,
         };
         if let Some(executor) = &single {
             scheduling::tell_not_applied(&options.name, model, &of_task, STACK);
@@ -152,6 +152,10 @@ impl Engine {
         let driven = virtual_time.then(|| Vec::with_capacity(runners.len()));
         let engine = Arc::new(Self::new(options, shared, control, gates, driven, single));
         engine.write_state();
+        if let Clock::Staged(stage) = &clock {
+            let engine: Arc<dyn crate::clock::OnStage> = Arc::<Self>::clone(&engine);
+            stage.enters(Arc::downgrade(&engine));
+        }
         let seat = engine.enter_executor();
         for (runner, task_options) in runners.into_iter().zip(of_task) {
             let started = engine.start_task(runner, task_options, &patience, seat);

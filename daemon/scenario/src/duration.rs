@@ -48,7 +48,8 @@ pub(crate) fn decimal(nanoseconds: u64) -> String {
 }
 
 /// A time in the largest unit that is exact: `250ms`.
-pub(crate) fn short(nanoseconds: u64) -> String {
+#[must_use]
+pub fn short(nanoseconds: u64) -> String {
     let units = [(1_000_000_000, "s"), (1_000_000, "ms"), (1_000, "us")];
     let fits = units.into_iter().find(|(scale, _)| nanoseconds.is_multiple_of(*scale));
     let (scale, unit) = fits.unwrap_or((1, "ns"));

@@ -19,7 +19,7 @@ mod source;
 
 pub use find::{NoSuite, find};
 pub use model::{
-    Action, Codels, Ended, Expected, Fault, Harm, Scenario, Setup, Step, Suite, Takes,
+    Action, Codels, Ended, Expected, Fault, Harm, Run, Scenario, Setup, Step, Suite, Takes,
 };
 pub use play::{Daemon, Progress, Trouble, play};
 pub use report::{Outcome, Played, Report, Unmet};

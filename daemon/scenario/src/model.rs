@@ -1,8 +1,10 @@
 //! What a file of scenarios says.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use genom_protocol::{Address, ConnectionEntry, ConnectionRequest, LoadRequest};
+use genom_protocol::{Address, ConnectionEntry, ConnectionRequest, LoadRequest, TaskEntry};
+use genom_stage::Script;
 use serde_json::Value;
 
 use crate::source::Place;
@@ -27,6 +29,29 @@ pub struct Scenario {
     pub setup: Setup,
     /// What is done, in order, up to the first step that fails.
     pub steps: Vec<Step>,
+    /// In place of all that: a run of a component without its library.
+    pub run: Option<Run>,
+}
+
+/// A run of one component without its library: codels take and yield what the run says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// The files of its description.
+    pub description: Vec<PathBuf>,
+    /// Directories of included files.
+    pub include: Vec<PathBuf>,
+    /// Definitions for the preprocessor.
+    pub define: Vec<String>,
+    /// The component, if several are described.
+    pub component: Option<String>,
+    /// What is overridden of its tasks.
+    pub tasks: BTreeMap<String, TaskEntry>,
+    /// Activities of services that one task may have at the same time.
+    pub max_activities: Option<usize>,
+    /// What happens.
+    pub script: Script,
+    /// Where each step is in the file.
+    pub places: Vec<Place>,
 }
 
 /// What runs when a scenario begins. Paths are absolute, or names that are searched for.

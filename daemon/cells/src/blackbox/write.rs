@@ -203,7 +203,7 @@ impl BlackBoxes {
         let supervisor = self.daemon.get().and_then(|one| one.supervisor.upgrade());
         let clock = supervisor.as_ref().map_or(ClockKind::Monotonic, |one| match one.clock {
             Clock::Monotonic => ClockKind::Monotonic,
-            Clock::Virtual(_) => ClockKind::Virtual,
+            Clock::Virtual(_) | Clock::Staged(_) => ClockKind::Virtual,
         });
         let ran = supervisor.map_or_else(Deployment::default, |one: Arc<Supervisor>| one.dump());
         let deployment = toml::to_string(&ran).unwrap_or_default();

@@ -15,7 +15,7 @@ struct AtLeast {
 }
 
 /// The dates of the steps of a run, in nanoseconds from the start of the component.
-pub(super) fn dates(system: &System, times: &Times, run: &[(State, Action)]) -> Vec<u64> {
+pub(crate) fn dates(system: &System, times: &Times, run: &[(State, Action)]) -> Vec<u64> {
     let rules = rules(system, times, run);
     let mut dates = vec![0i64; run.len() + 1];
     // The run is possible, so no cycle of rules moves dates on for ever.

@@ -10,6 +10,7 @@ mod walk;
 mod zone;
 
 pub(crate) use clocks::{Clock, begins, clocks, greatest, is_urgent};
+pub(crate) use dates::dates;
 pub use explore::{Overrun, Timed};
 pub use report::{Dated, TaskReport, TimedReport};
 pub use times::{Duration, Times};

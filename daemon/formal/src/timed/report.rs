@@ -6,6 +6,7 @@ use super::slack::involved;
 use super::times::Times;
 use crate::action::Action;
 use crate::explore::{Limit, Limits};
+use crate::played::Course;
 use crate::state::State;
 use crate::system::System;
 use crate::words::Line;
@@ -31,6 +32,8 @@ pub struct TaskReport {
     pub response: Option<u64>,
     /// A run in which a tick comes while the task is at work; empty if there is none.
     pub overrun: Vec<Dated>,
+    /// The same run, step by step.
+    pub course: Course,
     /// Codels, and the time in nanoseconds below which each would have to stay so that there is no
     /// such run, the others as they are.
     pub needed: Vec<(String, u64)>,
@@ -69,6 +72,7 @@ impl System {
                 response: explored.responses[at].flatten(),
                 open: run.is_empty() && explored.limit.is_some(),
                 overrun: self.dated(times, &run),
+                course: Course { steps: run },
                 needed: needed.into_iter().map(named).collect(),
             })
         };

@@ -67,6 +67,6 @@ fn now(clock: &Clock) -> genom_protocol::Clock {
 pub(super) fn kind(clock: &Clock) -> ClockKind {
     match clock {
         Clock::Monotonic => ClockKind::Monotonic,
-        Clock::Virtual(_) => ClockKind::Virtual,
+        Clock::Virtual(_) | Clock::Staged(_) => ClockKind::Virtual,
     }
 }

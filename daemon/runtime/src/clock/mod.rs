@@ -1,6 +1,7 @@
 //! Clocks: the monotonic clock of the machine, or one that a supervisor steps.
 
 mod nanos;
+mod stage;
 mod virtual_clock;
 
 use std::sync::Arc;
@@ -8,6 +9,7 @@ use std::sync::Arc;
 use rustix::time::{ClockId, clock_gettime};
 
 pub use nanos::nanos;
+pub use stage::{OnStage, Stage, Turn};
 pub(crate) use virtual_clock::Driven;
 pub use virtual_clock::VirtualClock;
 
@@ -20,6 +22,8 @@ pub enum Clock {
     /// A clock that is stepped; tasks run in the thread that steps it, so equal inputs give equal
     /// sequences of codel calls.
     Virtual(Arc<VirtualClock>),
+    /// A clock on which codels may take time; threads run the tasks, and wait for their turns.
+    Staged(Arc<dyn Stage>),
 }
 
 impl Clock {
@@ -30,6 +34,7 @@ impl Clock {
         match self {
             Clock::Monotonic => monotonic(),
             Clock::Virtual(clock) => clock.now(),
+            Clock::Staged(stage) => stage.now(),
         }
     }
 
@@ -39,7 +44,7 @@ impl Clock {
     pub(crate) fn real(&self, date: u64) -> u64 {
         match self {
             Clock::Monotonic => date,
-            Clock::Virtual(_) => monotonic(),
+            Clock::Virtual(_) | Clock::Staged(_) => monotonic(),
         }
     }
 }

@@ -12,6 +12,7 @@ use std::time::Duration;
 use genom_description::model::ServiceIx;
 
 use super::{Control, Phase, state_port::PERIOD_NS};
+use crate::clock::{Clock, Turn};
 use crate::engine::{Engine, OVER};
 use crate::plan::Builtin;
 
@@ -158,7 +159,9 @@ impl Engine {
             let period = if often { LOOK } else { Duration::from_nanos(PERIOD_NS) };
             let left = late.map(|late| late.saturating_sub(self.shared.clock.now()));
             let period = left.map_or(period, |left| period.min(Duration::from_nanos(left)));
-            if !self.shared.attention.load(Ordering::Acquire) {
+            if let Clock::Staged(stage) = &self.shared.clock {
+                stage.wait(Turn::Control);
+            } else if !self.shared.attention.load(Ordering::Acquire) {
                 std::thread::park_timeout(period);
             }
             self.attend();

@@ -165,6 +165,22 @@ impl Exclusion {
         self.waiting.get(context).is_some_and(|w| w.node.load(Ordering::Relaxed) != IDLE)
     }
 
+    /// Contexts that wait, and may not enter as things are.
+    #[must_use]
+    pub fn blocked(&self) -> Vec<usize> {
+        let mut blocked = Vec::with_capacity(self.waiting.len());
+        self.guard.lock();
+        for (context, place) in self.waiting.iter().enumerate() {
+            let node = place.node.load(Ordering::Relaxed);
+            let ticket = place.ticket.load(Ordering::Relaxed);
+            if node != IDLE && !self.may_enter(context, node, ticket) {
+                blocked.push(context);
+            }
+        }
+        self.guard.unlock();
+        blocked
+    }
+
     /// Enters a node without waiting; returns the bit that was set, or `None` if a conflicting node
     /// runs.
     #[inline]

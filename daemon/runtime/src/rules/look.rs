@@ -125,7 +125,7 @@ impl Engine {
         if rules.is_empty() {
             return None;
         }
-        let stepped = matches!(self.shared.clock, Clock::Virtual(_));
+        let stepped = !matches!(self.shared.clock, Clock::Monotonic);
         let (mut seen, mut next) = (Vec::new(), None);
         for (rank, Supervised { rule, .. }) in rules.all.iter().enumerate() {
             let due = match rule {

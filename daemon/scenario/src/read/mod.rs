@@ -3,6 +3,7 @@
 mod expected;
 mod fields;
 mod found;
+mod run;
 mod setup;
 mod step;
 mod value;
@@ -12,7 +13,7 @@ use std::path::Path;
 
 use toml::de::DeTable;
 
-use crate::model::{Scenario, Suite};
+use crate::model::{Scenario, Setup, Suite};
 use crate::source::{Mistake, Mistakes, Place};
 use fields::{Fields, Spot};
 use found::Found;
@@ -64,6 +65,13 @@ fn read(root: &DeTable<'_>, text: &str, directory: &Path, found: &Found) -> Vec<
             let span = fields.get("name").map_or(value.span(), toml::Spanned::span);
             found.add(span, format!("a second scenario `{again}`"), None);
         }
+        if fields.has("play") {
+            let run = run::read(&fields, text, directory);
+            fields.finish("a scenario that is played without libraries");
+            let (setup, steps) = (Setup::default(), Vec::new());
+            let name = name.unwrap_or_default().to_owned();
+            return Some(Scenario { name, place, setup, steps, run });
+        }
         let setup = setup::read(&fields, directory).over(&common);
         let steps: Vec<_> = {
             let mut steps = step::Steps::new(text, directory, found);
@@ -73,7 +81,7 @@ fn read(root: &DeTable<'_>, text: &str, directory: &Path, found: &Found) -> Vec<
             fields.missing("steps", "[[scenario.steps]] begins one");
         }
         fields.finish("a scenario");
-        Some(Scenario { name: name.unwrap_or_default().to_owned(), place, setup, steps })
+        Some(Scenario { name: name.unwrap_or_default().to_owned(), place, setup, steps, run: None })
     };
     let scenarios: Vec<_> = fields.list(SCENARIO).filter_map(one).collect();
     if scenarios.is_empty() && !root.contains_key(SCENARIO) {

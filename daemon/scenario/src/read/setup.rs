@@ -67,7 +67,7 @@ pub(super) fn component(
 }
 
 /// A path that is relative to the directory of the file.
-fn absolute(directory: &Path, path: &Path) -> PathBuf {
+pub(super) fn absolute(directory: &Path, path: &Path) -> PathBuf {
     let path = directory.join(path);
     std::path::absolute(&path).unwrap_or(path)
 }

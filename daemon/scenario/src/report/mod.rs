@@ -95,6 +95,22 @@ impl Outcome {
         })
     }
 
+    /// A run without libraries did not come to its end: this step is not what the runtime did.
+    #[must_use]
+    pub fn not_as_scripted(scenario: &Scenario, step: Option<usize>, why: &str) -> Self {
+        let run = scenario.run.as_ref();
+        let place = run.and_then(|run| run.places.get(step?));
+        let at = run.and_then(|run| run.script.steps.get(step?)).map_or(0, |step| step.at);
+        Self::Failed(Unmet {
+            line: place.map_or(scenario.place.line, |place| place.line),
+            step: step.map_or("begin".to_owned(), |step| format!("step {} of the run", step + 1)),
+            nanoseconds: at,
+            expected: "that it is possible".to_owned(),
+            came: why.to_owned(),
+            help: None,
+        })
+    }
+
     /// What did not hold.
     #[must_use]
     pub fn unmet(&self) -> Option<&Unmet> {

@@ -37,7 +37,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-recording", &["genom-protocol"]),
     ("genom-apart", &[]),
     ("genom-comparison", &["genom-apart", "genom-protocol"]),
-    ("genom-scenario", &["genom-apart", "genom-nearest", "genom-protocol"]),
+    ("genom-stage", &["genom-description", "genom-middleware", "genom-runtime", "genom-types"]),
+    ("genom-scenario", &["genom-apart", "genom-nearest", "genom-protocol", "genom-stage"]),
     ("genom-ports", PORTS),
     ("genom-bus", &["genom-ports", "genom-protocol"]),
     ("genom-registry", BACKENDS),
@@ -107,6 +108,7 @@ const GENOMCTL: &[&str] = &[
     "genom-rosidl",
     "genom-runtime",
     "genom-scenario",
+    "genom-stage",
     "genom-types",
 ];
 /// The only crate that knows which middlewares exist.

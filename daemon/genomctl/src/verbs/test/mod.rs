@@ -1,5 +1,7 @@
 //! `genomctl test`: plays scenarios of components on the stepped clock.
 
+mod scripted;
+
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -152,6 +154,13 @@ async fn play_all(args: Args, suites: &[Suite], session: &Session) -> Result<Rep
         tell(session, &format!("{}\n", suite.file.display()))?;
         for scenario in &suite.scenarios {
             number += 1;
+            if let Some(run) = &scenario.run {
+                let (outcome, played) = scripted::play(scenario, run, args.limit).await;
+                report.add(scenario, outcome, played);
+                let last = report.files.last().and_then(|suite| suite.scenarios.last());
+                last.map_or(Ok(()), |last| tell(session, &last.text(&suite.file)))?;
+                continue;
+            }
             let begun = begin(&genomd, scenario, &overrides, number).await;
             let (outcome, played) = match begun {
                 Ok(mut daemon) => play_one(scenario, &mut daemon, args.limit).await,
