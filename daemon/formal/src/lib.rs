@@ -40,7 +40,10 @@ pub use hints::{Hint, hints};
 pub use lock::{Conflicts, Lock};
 pub use played::{Call, Course, Event, Happening};
 pub use property::{Finding, Property, Report, Verdict};
-pub use schedule::{Called, Cause, Processors, Schedule, Scheduled, Waits};
+pub use schedule::{
+    Called, Cause, Change, Machine, OnMachine, Placed, Processors, Schedule, Scheduled, Threads,
+    Waits,
+};
 pub use state::{At, Life, Mode, Pc, Pending, Phase, Place, Run, State, Step, Task, Worker};
 pub use system::{Period, System};
 pub use text::text;

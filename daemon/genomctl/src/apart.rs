@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use genom_apart::Private;
 use genom_apart::process::Program;
-use genom_protocol::{Code, ReadyParameters, routes};
+use genom_protocol::{Code, ReadyParameters, Sources, routes};
 use toml::Table;
 
 use crate::connection::Connection;
@@ -50,6 +50,27 @@ impl Genomd {
         let why = String::from_utf8_lossy(&output.stderr);
         let why = why.trim().trim_start_matches("error: ").to_owned();
         Err(Failure::Usage { message: why, help: None })
+    }
+
+    /// What the components of a deployment file are made of. No library is opened.
+    pub(crate) fn sources(&self, file: &Path) -> Result<Vec<Sources>, Failure> {
+        let file = std::path::absolute(file)?;
+        let arguments = ["--dump-sources", "--log", "error", "--config"];
+        let output = Command::new(&self.0).args(arguments).arg(file).output();
+        let output = output.map_err(|error| self.not_run(&error))?;
+        let told = String::from_utf8_lossy(&output.stdout);
+        let all: Result<Vec<Sources>, _> = told.lines().map(serde_json::from_str).collect();
+        match all {
+            Ok(all) if output.status.success() => Ok(all),
+            Err(error) if output.status.success() => {
+                Err(Failure::refused("sources", format!("{}: {error}", self.0.display())))
+            }
+            _ => {
+                let why = String::from_utf8_lossy(&output.stderr);
+                let why = why.trim().trim_start_matches("error: ").to_owned();
+                Err(Failure::Usage { message: why, help: None })
+            }
+        }
     }
 
     /// The first line of `genomd --version`.

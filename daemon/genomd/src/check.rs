@@ -9,6 +9,17 @@ use genom_supervisor::loading::{self, LoadError, check_reactions};
 use crate::run::{Refusal, told};
 use crate::settings::Settings;
 
+/// `--dump-sources`: no library is opened.
+pub(crate) fn dump_sources(settings: Settings) -> Result<(), Refusal> {
+    for request in &settings.deployment.component {
+        let sources = loading::look(&settings.supervisor, request);
+        let sources = sources.map_err(|error| Refusal::component(error.to_string()))?;
+        // A closed pipe is not a failure.
+        let _ = writeln!(std::io::stdout().lock(), "{}", serde_json::json!(sources));
+    }
+    Ok(())
+}
+
 /// Checks every component of the command line and configuration, and reports each that fails.
 pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
     if settings.deployment.component.is_empty() {

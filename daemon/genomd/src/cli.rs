@@ -118,6 +118,10 @@ pub(crate) struct Cli {
     /// is wrong. Opens no socket and no middleware.
     #[arg(long)]
     pub(crate) check: bool,
+    /// Print what each component is made of, one line of JSON each, without opening its library: the
+    /// texts of its description, and how its tasks are executed.
+    #[arg(long, conflicts_with = "check")]
+    pub(crate) dump_sources: bool,
     /// Print the completion script of genomd for a shell; in ~/.bashrc: `source <(genomd
     /// --completion bash)`.
     #[arg(long, value_name = "SHELL")]

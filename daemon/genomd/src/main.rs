@@ -65,7 +65,11 @@ fn main() -> ExitCode {
     let invitation = Invitation::take();
     genom_host::tell_last_words();
     genom_host::guard_process();
-    let run = if cli.check { check::run } else { run::run };
+    let run = match (cli.check, cli.dump_sources) {
+        (true, _) => check::run,
+        (false, true) => check::dump_sources,
+        (false, false) => run::run,
+    };
     let cell_file = cell_file(&cli);
     let settings = settings(cli, invitation);
     if let (Some(file), Err(refusal)) = (&cell_file, &settings) {

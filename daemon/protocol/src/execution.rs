@@ -8,6 +8,7 @@ use strum::Display;
 #[serde(rename_all = "lowercase")]
 #[strum(serialize_all = "lowercase")]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub enum ExecutionKind {
     /// A thread for each task, and threads for the requests of each component.
     #[default]

@@ -47,6 +47,7 @@ pub mod freeze;
 mod load;
 mod logs;
 mod middlewares;
+mod notes;
 mod on_failure;
 #[cfg(feature = "openapi")]
 pub mod openapi;
@@ -63,6 +64,7 @@ pub mod routes;
 mod services;
 mod several;
 pub mod socket;
+mod sources;
 pub mod sse;
 mod state;
 mod statistics;
@@ -105,6 +107,7 @@ pub use middlewares::{
     Capabilities, Endpoint, EndpointKind, Middleware, MiddlewareParameters, Middlewares, Refused,
     Stranger,
 };
+pub use notes::NoteKind;
 pub use on_failure::{Act, Deed, NoReaction, Reaction};
 pub use outcome::Outcome;
 pub use policy::{NoPolicy, Policy};
@@ -120,6 +123,7 @@ pub use replay::Replayed;
 pub use right::Right;
 pub use routes::STANDARD_SERVICES;
 pub use services::{CallParameters, CallReply, Inputs, Started};
+pub use sources::{SourceText, Sources, TaskSettings};
 pub use state::{
     FrozenActivity, FrozenCall, FrozenComponent, FrozenPhase, FrozenState, FrozenValue, FrozenWait,
     Restore, Resumption,

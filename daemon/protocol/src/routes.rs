@@ -23,8 +23,9 @@ use crate::{
     Fired, Frozen, GoesOn, Inputs, Link, LinkRequest, LoadRequest, LogEntry, LogParameters, Logs,
     LookParameters, MiddlewareParameters, Middlewares, MoveRequest, Moved, Port, PortParameters,
     PortTraffic, PortType, Ports, Published, Ready, ReadyParameters, RecordingEnds,
-    RecordingRequest, ReloadRequest, Reloaded, Replayed, Right, Service, Statistics, StepRequest,
-    Stopping, StreamParameters, TakenBack, ThawRequest, Thawed, Unloaded, ValueParameters,
+    RecordingRequest, ReloadRequest, Reloaded, Replayed, Right, Service, Sources, Statistics,
+    StepRequest, Stopping, StreamParameters, TakenBack, ThawRequest, Thawed, Unloaded,
+    ValueParameters,
 };
 
 /// HTTP method.
@@ -194,6 +195,8 @@ routes! {
     Get blackbox_frames() [Read] "/blackbox/frames", Bytes;
     /// The types of a component as JSON Schemas.
     Get schema(component) [Read] "/components/{component}/schema", Value;
+    /// What a component was made of: the texts of its description, and how its tasks are executed.
+    Get sources(component) [Read] "/components/{component}/sources", Sources;
     /// Moves a component, or one of its ports, to other middlewares.
     Put move_component(component) [Wire] "/components/{component}/backend" => MoveRequest, Moved;
     /// Statistics of the tasks and codels of a component.

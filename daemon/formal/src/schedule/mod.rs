@@ -5,11 +5,15 @@
 
 mod advice;
 mod alive;
+mod changes;
 mod contexts;
 mod cycle;
+mod machine;
 mod processors;
 mod report;
 mod text;
 mod ways;
 
+pub use changes::Change;
+pub use machine::{Machine, OnMachine, Placed, Threads};
 pub use report::{Called, Cause, Processors, Schedule, Scheduled, Waits};

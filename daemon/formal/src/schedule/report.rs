@@ -184,23 +184,7 @@ impl System {
         response: Result<u64, Cause>,
     ) -> Scheduled {
         let own = &known[usize::from(task)];
-        let waits = |ahead: &Ahead| Waits {
-            of: self.name_of(ahead.context),
-            codel: self.node_name(ahead.node),
-            most: ahead.time,
-        };
-        let mut called = Vec::new();
-        if let Some(cycle) = &own.cycle {
-            for (machine, codels) in &cycle.ways {
-                let activity = self.machines[usize::from(*machine)].service;
-                called.extend(codels.iter().map(|codel| Called {
-                    codel: self.node_name(*codel),
-                    activity: activity.map(|service| self.service_name(service)),
-                    most: times.of(*codel).most.unwrap_or(0),
-                    waits: cycle.ahead[usize::from(*codel)].iter().map(waits).collect(),
-                }));
-            }
-        }
+        let called = own.cycle.as_ref().map_or_else(Vec::new, |cycle| self.called(times, cycle));
         let shares = processors != Processors::Own;
         let higher = self.higher(task).filter(|_| shares);
         let preempted = higher.map(|one| (self.task_name(one), known[usize::from(one)].load.work));
@@ -215,6 +199,26 @@ impl System {
         }
     }
 
+    /// What is executed in a cycle, in order.
+    pub(super) fn called(&self, times: &Times, cycle: &Cycle) -> Vec<Called> {
+        let waits = |ahead: &Ahead| Waits {
+            of: self.name_of(ahead.context),
+            codel: self.node_name(ahead.node),
+            most: ahead.time,
+        };
+        let mut called = Vec::new();
+        for (machine, codels) in &cycle.ways {
+            let activity = self.machines[usize::from(*machine)].service;
+            called.extend(codels.iter().map(|codel| Called {
+                codel: self.node_name(*codel),
+                activity: activity.map(|service| self.service_name(service)),
+                most: times.of(*codel).most.unwrap_or(0),
+                waits: cycle.ahead[usize::from(*codel)].iter().map(waits).collect(),
+            }));
+        }
+        called
+    }
+
     /// Tasks of the same or a higher priority.
     fn higher(&self, task: u16) -> impl Iterator<Item = u16> + Clone + '_ {
         let all = 0..small(self.periods.len());
@@ -222,7 +226,7 @@ impl System {
     }
 
     /// 0 is the highest, 255 the lowest (genom3.md 7.4).
-    fn priority(&self, task: u16) -> u32 {
+    pub(super) fn priority(&self, task: u16) -> u32 {
         let task = self.plan.component().tasks.get(TaskIx::new(task.into()));
         task.and_then(|task| task.priority).unwrap_or(255).min(255)
     }

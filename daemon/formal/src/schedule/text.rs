@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use super::changes::Change;
+use super::machine::OnMachine;
 use super::report::{Called, Cause, Schedule, Scheduled};
 use crate::text::duration;
 
@@ -15,6 +17,36 @@ impl Schedule {
             let _ = writeln!(text, "task {other}: no period, nothing is due");
         }
         text
+    }
+}
+
+impl OnMachine {
+    /// The bound of one task, and what it is made of, for people.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let cpus: Vec<String> = self.cpus.iter().map(usize::to_string).collect();
+        let mut text = format!("{} on processor {}, ", self.component, cpus.join(", "));
+        task(&mut text, &self.task);
+        text
+    }
+}
+
+impl Change {
+    /// What would do, in a sentence.
+    #[must_use]
+    pub fn text(&self) -> String {
+        match self {
+            Change::Order(tasks) => {
+                let order = tasks.join(", ");
+                format!("all are in time with priorities in the order of periods: {order}")
+            }
+            Change::Processor { task, cpu } => {
+                format!("all are in time with {task} on processor {cpu}")
+            }
+            Change::Time { codel, below, task } => {
+                format!("{task} is in time if {codel} takes less than {}", duration(*below))
+            }
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! How long codels take.
 
-use genom_description::model::{Codel, Component, Owner};
+use genom_description::model::{Codel, CodelIx, Component, Ix as _, Owner};
 use genom_runtime::nanos;
 
 use crate::system::System;
@@ -38,6 +38,13 @@ impl Times {
             }
         }
         any
+    }
+
+    /// Sets the duration of one codel.
+    pub fn set_one(&mut self, codel: CodelIx, duration: Duration) {
+        if let Some(place) = self.codels.get_mut(codel.index()) {
+            *place = duration;
+        }
     }
 
     /// Gives this bound to the codels that have none.

@@ -1,4 +1,4 @@
-//! `genomctl model`: the model of a component for other tools. No daemon.
+//! `genomctl model`: the model of a component for other tools. Of files it takes no daemon.
 
 use std::path::PathBuf;
 
@@ -41,18 +41,19 @@ fn format(name: &str) -> Result<Format, String> {
     found.ok_or_else(|| "the languages are promela, tchecker, uppaal".to_owned())
 }
 
-pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
-    let (plans, _) = args.described.plans()?;
-    let [plan] = &plans[..] else {
+pub(super) async fn run(args: &Args, session: &Session) -> Result<(), Failure> {
+    let subjects = args.described.subjects(args.given.measured(), session).await?;
+    let [subject] = &subjects[..] else {
         let message = "these files describe several components";
         return Err(Failure::usage(message, "name one with --component"));
     };
-    let times = args.given.times(plan)?;
+    args.given.check_names(&subjects)?;
+    let times = args.given.times(subject).times;
     // With clocks it is the component while it serves requests, as in `verify`.
     let kill = times.is_err();
     let (requests, instances) = (args.requests, args.instances);
     let bounds = Bounds { requests, instances, kill, ..Bounds::default() };
-    let system = System::new(plan, bounds);
+    let system = System::new(&subject.plan, bounds);
     let text = system.export(args.format, times.as_ref().ok(), &args.limits.limits());
     let text = text.map_err(|error| {
         let message = match (&error, &times) {

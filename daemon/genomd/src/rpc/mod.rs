@@ -32,6 +32,7 @@ mod ready;
 mod recordings;
 mod replay;
 mod services;
+mod sources;
 mod tasks;
 mod tokens;
 mod values;
@@ -61,6 +62,7 @@ fn routes() -> OpenApiRouter<Parts> {
         .routes(routes!(components::describe, components::unload))
         .routes(routes!(components::reload))
         .routes(routes!(components::schema))
+        .routes(routes!(sources::sources))
         .routes(routes!(cells::list))
         .routes(routes!(cells::end))
         .routes(routes!(cells::restart))

@@ -149,6 +149,11 @@ impl Reading {
         self.description.path()
     }
 
+    /// Directories in which included files were searched.
+    pub(crate) fn include(&self) -> &[PathBuf] {
+        &self.include
+    }
+
     /// A place in the description, as `FILE:LINE`.
     pub fn place(&self, span: Span) -> String {
         let at = self.sources.location(span);

@@ -30,6 +30,11 @@ impl Texts {
         (!self.embedded).then(|| self.name.clone())
     }
 
+    /// All of them, by the paths by which they were read.
+    pub(crate) fn all(self) -> impl Iterator<Item = (PathBuf, Vec<u8>)> {
+        self.texts.into_iter()
+    }
+
     /// Files that hold nothing else.
     pub(super) fn files(&self) -> Memory {
         let mut files = Memory::new();

@@ -19,12 +19,13 @@ use genom_configuration::{BackendNames, CallEntry, LoadRequest};
 use genom_description::model::{Component as Model, PortDirection, ServiceKind};
 use genom_host::{Component, Contents, Digest, Library, OpenError};
 use genom_nearest::suggest;
+use genom_protocol::Sources;
 
 use self::locate::Located;
 use self::standard::unload_killed;
 use self::warnings::tell_warnings;
 use crate::components::request::{self, RequestError};
-use crate::components::{Build, Hosted};
+use crate::components::{Build, Hosted, sources};
 use crate::known::Reading;
 use crate::settings::Settings;
 use crate::supervisor::Supervisor;
@@ -162,6 +163,14 @@ pub(crate) fn begin(
     let hosted = start::start(supervisor, name, build, plan, component, before)?;
     hosted.ties.wear(masquerades);
     Ok(hosted)
+}
+
+/// Finds and reads the description of a component, and tells what it is made of. Its library is not
+/// opened.
+pub fn look(settings: &Settings, request: &LoadRequest) -> Result<Sources, LoadError> {
+    let located = locate::locate(request, &settings.path)?;
+    let reading = Reading::new(&located.description, &settings.include)?;
+    Ok(sources(&reading, request, settings))
 }
 
 /// Performs the checks of [`Supervisor::load`] without starting anything, and reports the result.

@@ -1,92 +1,19 @@
 //! Notes: what is recorded besides samples, such as calls, activities, exceptions and other
 //! changes.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
 
-use genom_protocol::frames::Channel;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use genom_bus::Numbered;
+pub(crate) use genom_protocol::NoteKind as Subject;
 
 /// Maximum number of notes that wait to be sent.
 const MOST: usize = 8192;
 
-/// A channel of notes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Subject {
-    Calls,
-    Activities,
-    Exceptions,
-    Changes,
-}
-
 /// All subjects, by channel number.
-pub(super) const SUBJECTS: [Subject; 4] =
-    [Subject::Calls, Subject::Activities, Subject::Exceptions, Subject::Changes];
-
-impl Subject {
-    pub(super) fn channel(self) -> u16 {
-        self as u16
-    }
-
-    /// The head of the channel. Its encoding is JSON, since each service has other inputs.
-    pub(super) fn head(self) -> Channel {
-        let (topic, name, members) = match self {
-            Subject::Calls => (
-                "/genom/calls",
-                "genom.Call",
-                json!({
-                    "component": {"type": "string"},
-                    "service": {"type": "string"},
-                    "call": {"type": "integer", "description": "the same in request and reply"},
-                    "phase": {"enum": ["request", "reply"]},
-                    "inputs": {"type": "object"},
-                    "activity": {"type": "integer"},
-                    "result": {"type": "object"},
-                    "exception": {"type": "string"},
-                    "detail": {},
-                    "duration_ns": {"type": "integer"},
-                }),
-            ),
-            Subject::Activities => (
-                "/genom/activities",
-                "genom.Activity",
-                json!({
-                    "event": {"enum": ["activity_started", "transition", "activity_ended"]},
-                    "component": {"type": "string"},
-                    "service": {"type": "string"},
-                    "activity": {"type": "integer"},
-                    "state": {"type": "string"},
-                    "paused": {"type": "boolean"},
-                    "exception": {"type": "string"},
-                }),
-            ),
-            Subject::Exceptions => (
-                "/genom/exceptions",
-                "genom.Exception",
-                json!({
-                    "component": {"type": "string"},
-                    "service": {"type": "string"},
-                    "activity": {"type": "integer"},
-                    "exception": {"type": "string"},
-                    "detail": {},
-                }),
-            ),
-            Subject::Changes => {
-                ("/genom/changes", "genom.Change", json!({"event": {"type": "string"}}))
-            }
-        };
-        Channel {
-            channel: self.channel(),
-            topic: topic.to_owned(),
-            encoding: "json".to_owned(),
-            schema: name.to_owned(),
-            definition: json!({"type": "object", "properties": members}).to_string(),
-            metadata: BTreeMap::new(),
-        }
-    }
-}
+pub(super) const SUBJECTS: [Subject; 4] = Subject::RECORDED;
 
 /// The subject of a change, and the component it concerns, if any.
 pub(super) fn subject(change: &Numbered) -> (Subject, Option<&str>) {

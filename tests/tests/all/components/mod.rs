@@ -7,6 +7,7 @@ mod demo;
 mod faults;
 mod hangs;
 mod others;
+mod overruns;
 mod papers;
 mod spins;
 mod table;

@@ -1,30 +1,106 @@
-//! The components that files describe, as plans.
+//! The components that are asked about, as plans: those that files describe, or one that runs.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::sync::Arc;
 
 use genom_description::source::SourceMap;
+use genom_protocol::{Sources, Statistics, routes};
 use genom_runtime::Plan;
 
+use super::loaded::{self, Unread};
 use crate::failure::Failure;
 use crate::reading::Reading;
+use crate::session::Session;
 
-/// Files with descriptions, and which of their components are meant.
+/// Files with descriptions, and which of their components are meant; or a component that runs.
 #[derive(Debug, clap::Args)]
 pub(in crate::verbs) struct Described {
-    /// The .gen files, read in order as one specification.
-    #[arg(required = true)]
+    /// The .gen files, read in order as one specification; or the name of a component that runs,
+    /// which is looked at with its configuration.
+    #[arg(value_name = "FILE|COMPONENT")]
     files: Vec<PathBuf>,
-    /// One component [default: all].
+    /// One component of the files [default: all].
     #[arg(long, value_name = "NAME")]
     component: Option<String>,
     #[command(flatten)]
     reading: Reading,
 }
 
+/// A component that is asked about.
+pub(in crate::verbs) struct Subject {
+    pub(in crate::verbs) plan: Arc<Plan>,
+    /// The texts that it was read from.
+    pub(in crate::verbs) texts: Rc<SourceMap>,
+    /// The files of its description, directories of included files, and definitions.
+    pub(in crate::verbs) files: Vec<PathBuf>,
+    pub(in crate::verbs) include: Vec<PathBuf>,
+    pub(in crate::verbs) defines: Vec<String>,
+    /// How it is executed, if it runs or is configured.
+    pub(in crate::verbs) running: Option<Sources>,
+    /// What was measured of it.
+    pub(in crate::verbs) measured: Option<Statistics>,
+}
+
+impl Subject {
+    /// Its instance name, or that of the component.
+    pub(in crate::verbs) fn name(&self) -> &str {
+        let own = &self.plan.component().name;
+        self.running.as_ref().map_or(own, |running| &running.name)
+    }
+
+    /// A line about how it is executed, if that is known.
+    pub(in crate::verbs) fn heading(&self) -> String {
+        self.running.as_ref().map_or_else(String::new, loaded::heading)
+    }
+}
+
 impl Described {
-    /// Reads the files, which must have no errors.
-    pub(in crate::verbs) fn plans(&self) -> Result<(Vec<Arc<Plan>>, SourceMap), Failure> {
+    /// What was named, for a verb that takes other files as well.
+    pub(in crate::verbs) fn named(&self) -> &[PathBuf] {
+        &self.files
+    }
+
+    /// The name of the component that runs, if one is meant: a file is named by a path, by `.gen`,
+    /// or is there.
+    fn running(&self) -> Option<&str> {
+        let [one] = &self.files[..] else { return None };
+        is_name(one).then(|| one.to_str()).flatten()
+    }
+
+    /// Reads the files, which must have no errors, or asks the daemon; `measured` times are asked
+    /// for as well.
+    pub(in crate::verbs) async fn subjects(
+        &self,
+        measured: bool,
+        session: &Session,
+    ) -> Result<Vec<Subject>, Failure> {
+        if self.files.is_empty() {
+            return Err(Failure::usage(
+                "nothing is named",
+                "name a .gen file, or a component that runs",
+            ));
+        }
+        let Some(name) = self.running() else {
+            if measured {
+                return Err(Failure::usage(
+                    "nothing was measured of a file",
+                    "name a component that runs",
+                ));
+            }
+            return self.read();
+        };
+        let reading = &self.reading;
+        if self.component.is_some() || !reading.include.is_empty() || !reading.defines.is_empty() {
+            return Err(Failure::usage(
+                format!("{name} runs: it has been read already"),
+                "--component, -I and -D go with files",
+            ));
+        }
+        Ok(vec![ask(name, measured, session).await?])
+    }
+
+    fn read(&self) -> Result<Vec<Subject>, Failure> {
         let analysis = self.reading.read_sound(&self.files)?;
         let specification = Arc::new(analysis.specification);
         let names = specification.components.iter().map(|component| component.name.as_str());
@@ -39,11 +115,65 @@ impl Described {
             );
             return Err(Failure::usage(message, format!("they describe: {}", known.join(", "))));
         }
-        let plan = |place: usize| match Plan::new(&specification, place) {
-            Ok(plan) => Ok(Arc::new(plan)),
+        let texts = Rc::new(analysis.sources);
+        let subject = |place: usize| match Plan::new(&specification, place) {
+            Ok(plan) => Ok(Subject {
+                plan: Arc::new(plan),
+                texts: Rc::clone(&texts),
+                files: self.files.clone(),
+                include: self.reading.include.clone(),
+                defines: self.reading.defines.clone(),
+                running: None,
+                measured: None,
+            }),
             Err(error) => Err(Failure::refused("plan", error.to_string())),
         };
-        let plans = places.into_iter().map(plan).collect::<Result<_, _>>()?;
-        Ok((plans, analysis.sources))
+        places.into_iter().map(subject).collect()
+    }
+}
+
+/// Whether this is the name of a component, and no file.
+fn is_name(argument: &Path) -> bool {
+    let text = argument.to_string_lossy();
+    let named = text.chars().all(|letter| letter.is_alphanumeric() || "_-".contains(letter));
+    named && !argument.exists()
+}
+
+/// A component that runs.
+pub(in crate::verbs) async fn ask(
+    name: &str,
+    measured: bool,
+    session: &Session,
+) -> Result<Subject, Failure> {
+    // As sent: the texts have control characters, which replies are shown without.
+    let sent = session.client.request(&routes::sources(name), Vec::new()).await?;
+    let sources: Sources =
+        serde_json::from_value(sent).map_err(|why| session.client.misread(why.to_string()))?;
+    let mut subject = loaded::subject(sources).map_err(Unread::failure)?;
+    if measured {
+        loaded::check_clock(&subject)?;
+        subject.measured = Some(session.ask(routes::statistics(name)).await?.content);
+    }
+    Ok(subject)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_named_by_a_path_by_its_ending_or_is_there() {
+        let made = tempfile::tempdir().unwrap();
+        std::fs::write(made.path().join("demo"), "").unwrap();
+        for (argument, name) in [
+            ("demo", true),
+            ("arm_2", true),
+            ("demo.gen", false),
+            ("./demo", false),
+            ("models/demo", false),
+        ] {
+            assert_eq!(is_name(Path::new(argument)), name, "{argument}");
+        }
+        assert!(!is_name(&made.path().join("demo")));
     }
 }

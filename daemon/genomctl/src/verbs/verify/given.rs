@@ -1,11 +1,13 @@
 //! What the command line asks for: properties, times and limits.
 
-use std::sync::Arc;
 use std::time;
 
+use genom_description::model::Component;
 use genom_formal::{Bounds, Duration, Limits, Property, System, Ticks, Times};
-use genom_runtime::Plan;
 
+use super::described::Subject;
+use super::loaded::shares_its_thread;
+use super::measured::Measured;
 use crate::failure::Failure;
 
 /// What can be asked for.
@@ -40,6 +42,19 @@ pub(in crate::verbs) struct Given {
     /// Time that codels take at most of which it is not known otherwise, in milliseconds.
     #[arg(long, value_name = "TIME", value_parser = most)]
     other_wcet: Option<u64>,
+    /// Of a component that runs: take as least times the shortest ones measured, and for codels
+    /// without wcet the longest ones, if they ran at least 1000 times.
+    #[arg(long)]
+    measured: bool,
+    /// What the longest time measured is multiplied by.
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.2, requires = "measured", value_parser = margin)]
+    margin: f64,
+}
+
+/// A factor that makes a time no shorter.
+fn margin(text: &str) -> Result<f64, String> {
+    let factor: f64 = text.parse().map_err(|_| "a number is wanted".to_owned())?;
+    if (1.0..=1000.0).contains(&factor) { Ok(factor) } else { Err("from 1 to 1000".to_owned()) }
 }
 
 /// Limits of the search.
@@ -82,43 +97,79 @@ pub(super) fn codel_time(text: &str) -> Result<(String, Duration), String> {
     Ok((codel.to_owned(), Duration { least, most: Some(greatest) }))
 }
 
+/// What is known of the times of a component.
+pub(in crate::verbs) struct Known {
+    /// Those of all codels; or which have no bound.
+    pub(in crate::verbs) times: Result<Times, String>,
+    /// What was measured, if that was asked for.
+    pub(in crate::verbs) measured: Option<Measured>,
+}
+
 impl Given {
-    /// The times of all codels; or which have no bound.
-    pub(in crate::verbs) fn times(&self, plan: &Plan) -> Result<Result<Times, String>, Failure> {
-        let component = plan.component();
-        let mut times = Times::declared(component);
-        for (codel, duration) in &self.wcet {
-            if !times.set(component, codel, *duration) {
-                let message = format!("component {} has no codel `{codel}`", component.name);
+    /// Whether measured times are asked for.
+    pub(in crate::verbs) fn measured(&self) -> bool {
+        self.measured
+    }
+
+    /// Checks that each codel that is named is one of these components.
+    pub(in crate::verbs) fn check_names(&self, subjects: &[Subject]) -> Result<(), Failure> {
+        for (name, _) in &self.wcet {
+            let has =
+                |one: &Subject| one.plan.component().codels.iter().any(|codel| codel.name == *name);
+            if !subjects.iter().any(has) {
+                let names: Vec<&str> = subjects.iter().map(Subject::name).collect();
+                let message = format!("{} has no codel `{name}`", names.join(", "));
                 return Err(Failure::usage(message, "name a codel of the description"));
             }
+        }
+        Ok(())
+    }
+
+    /// The times of all codels, or which have no bound; and what was measured.
+    pub(in crate::verbs) fn times(&self, subject: &Subject) -> Known {
+        let component = subject.plan.component();
+        let mut times = Times::declared(component);
+        let measured = subject
+            .measured
+            .as_ref()
+            .map(|statistics| Measured::take(&mut times, component, statistics, self.margin));
+        Known { times: self.given(component, times), measured }
+    }
+
+    /// What is given takes precedence.
+    fn given(&self, component: &Component, mut times: Times) -> Result<Times, String> {
+        for (codel, duration) in &self.wcet {
+            times.set(component, codel, *duration);
         }
         if let Some(others) = self.other_wcet {
             times.bound_others(others);
         }
         let unbounded = times.unbounded(component);
-        let Some((last, first)) = unbounded.split_last() else { return Ok(Ok(times)) };
+        let Some((last, first)) = unbounded.split_last() else { return Ok(times) };
         let names = if first.is_empty() {
             format!("{last} has")
         } else {
             format!("{} and {last} have", first.join(", "))
         };
-        let way = "declare it, or give --wcet or --other-wcet";
-        Ok(Err(format!("{names} no wcet: {way}")))
+        let way = match self.measured {
+            true => "give --wcet or --other-wcet, or let it run longer",
+            false => "declare it, or give --wcet or --other-wcet",
+        };
+        Err(format!("{names} no wcet: {way}"))
     }
 
     /// Looks at the ticks of the tasks; tells why not if that cannot be done.
     pub(super) fn check(
-        &self,
-        plan: &Arc<Plan>,
+        subject: &Subject,
+        times: Result<Times, String>,
         bounds: Bounds,
         limits: &Limits,
-    ) -> Result<Ticks, Failure> {
+    ) -> Ticks {
         // What is measured is the component while it serves requests.
-        let system = System::new(plan, Bounds { kill: false, ..bounds });
-        Ok(match self.times(plan)? {
-            Ok(times) => Ticks::Seen(Box::new(system.check_ticks(&times, limits))),
-            Err(why) => Ticks::Unknown(why),
-        })
+        let system = System::new(&subject.plan, Bounds { kill: false, ..bounds });
+        match (shares_its_thread(subject), times) {
+            (Some(why), _) | (None, Err(why)) => Ticks::Unknown(why),
+            (None, Ok(times)) => Ticks::Seen(Box::new(system.check_ticks(&times, limits))),
+        }
     }
 }

@@ -1,22 +1,28 @@
-//! `genomctl verify`: what a component can and cannot do, whatever its codels yield. No daemon.
+//! `genomctl verify`: what a component can and cannot do, whatever its codels yield. Of files it takes
+//! no daemon.
 
 mod data;
 mod described;
 mod given;
+mod loaded;
+mod measured;
+mod trace;
 
-use std::sync::Arc;
+use std::path::PathBuf;
 
-use genom_formal::{Bounds, Found, Property, System, Ticks, Verdict, text};
-use genom_runtime::Plan;
+use genom_formal::{Bounds, Found, Property, System, Ticks, Times, Verdict, text};
+use serde_json::Value;
 
-pub(super) use self::described::Described;
+pub(super) use self::described::{Described, Subject, ask};
 use self::given::Checked;
 pub(super) use self::given::{Given, Most, most};
+pub(super) use self::loaded::{shares_its_thread, subject};
+pub(super) use self::measured::Measured;
 use crate::failure::Failure;
 use crate::session::Session;
 
 /// Check what a component can and cannot do, by its description: every order of events is tried,
-/// whatever codels yield and clients ask.
+/// whatever codels yield and clients ask. A component that runs is checked with its configuration.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Properties: start, stuck, reach, loop, stop, order and exclude need no times; overrun takes the wcet \
@@ -39,41 +45,80 @@ pub(crate) struct Args {
     instances: usize,
     #[command(flatten)]
     limits: given::Most,
+    /// Write runs in which tasks are late into a file, by its ending: .mcap, a recording of the first
+    /// one, for Foxglove; or .toml, scenarios that `genomctl test` plays on the runtime without the
+    /// library. May be repeated.
+    #[arg(long, value_name = "FILE", value_parser = trace::file)]
+    trace: Vec<PathBuf>,
 }
 
-pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
-    let (plans, sources) = args.described.plans()?;
-    let found: Vec<_> = plans.iter().map(|plan| check(args, plan)).collect::<Result<_, _>>()?;
+/// What was found of one component.
+struct Told {
+    subject: Subject,
+    found: Found,
+    measured: Option<Measured>,
+    /// The times of its codels, if all are known.
+    times: Option<Times>,
+}
+
+pub(super) async fn run(args: &Args, session: &Session) -> Result<(), Failure> {
+    let subjects = args.described.subjects(args.given.measured(), session).await?;
+    args.given.check_names(&subjects)?;
+    let all: Vec<Told> = subjects.into_iter().map(|subject| check(args, subject)).collect();
     if session.json {
-        let all: Vec<_> = found.iter().map(|one| data::data(one, &sources)).collect();
+        let all: Vec<_> = all.iter().map(json).collect();
         session.print(&format!("{}\n", serde_json::json!({ "components": all })))?;
     } else {
-        let all: Vec<_> = found.iter().map(|one| text(one, &sources)).collect();
+        let all: Vec<_> = all.iter().map(people).collect();
         session.print(&all.join("\n"))?;
     }
-    verdict(&found)
+    trace::write(&args.trace, &all, session)?;
+    verdict(&all)
 }
 
-fn check(args: &Args, plan: &Arc<Plan>) -> Result<Found, Failure> {
+fn check(args: &Args, subject: Subject) -> Told {
     let all = args.property.is_empty();
     let asked = |property: &Property| all || args.property.contains(&Checked::Untimed(*property));
     let properties: Vec<Property> = Property::ALL.into_iter().filter(asked).collect();
     let (requests, instances) = (args.requests, args.instances);
-    let bounds = Bounds { requests, instances, ..Bounds::default() };
-    let system = System::new(plan, bounds);
+    let mut bounds = Bounds { requests, instances, ..Bounds::default() };
+    if let Some(running) = &subject.running {
+        bounds.slots = running.max_activities;
+    }
+    let system = System::new(&subject.plan, bounds);
     let limits = args.limits.limits();
     let report = system.check(&properties, &limits);
+    let known = args.given.times(&subject);
+    let times = known.times.clone().ok();
     let ticks = if all || args.property.contains(&Checked::Overrun) {
-        args.given.check(plan, bounds, &limits)?
+        Given::check(&subject, known.times, bounds, &limits)
     } else {
         Ticks::Unasked
     };
-    Ok(Found { system, report, ticks })
+    Told { subject, found: Found { system, report, ticks }, measured: known.measured, times }
 }
 
-fn verdict(found: &[Found]) -> Result<(), Failure> {
+fn people(told: &Told) -> String {
+    let measured = told.measured.as_ref().map_or_else(String::new, Measured::text);
+    format!("{}{measured}{}", told.subject.heading(), text(&told.found, &told.subject.texts))
+}
+
+fn json(told: &Told) -> Value {
+    let mut data = data::data(&told.found, &told.subject.texts);
+    if let Some(running) = &told.subject.running {
+        data["instance"] = running.name.clone().into();
+        data["settings"] = serde_json::json!(running.tasks);
+    }
+    if let Some(measured) = &told.measured {
+        data["measured"] = measured.data();
+    }
+    data
+}
+
+fn verdict(all: &[Told]) -> Result<(), Failure> {
     let (mut violated, mut undecided) = (0, 0);
-    for one in found {
+    for Told { found: one, measured, .. } in all {
+        violated += measured.as_ref().map_or(0, Measured::violated);
         for (_, verdict) in &one.report.verdicts {
             violated += usize::from(matches!(verdict, Verdict::Violated(_)));
             undecided += usize::from(matches!(verdict, Verdict::Undecided(_)));
