@@ -87,6 +87,13 @@ impl Spot {
         let mut at = entry.span().start;
         let mut value = entry.get_ref();
         for key in &self.0.key {
+            if let DeValue::Array(entries) = value {
+                let Some(entry) = key.parse().ok().and_then(|at: usize| entries.get(at)) else {
+                    break;
+                };
+                (at, value) = (entry.span().start, entry.get_ref());
+                continue;
+            }
             let DeValue::Table(members) = value else { break };
             let Some((name, inner)) =
                 members.iter().find(|(name, _)| name.get_ref().as_ref() == key.as_str())
@@ -158,6 +165,13 @@ mod tests {
             "robot.toml:8: component.attributes.set_speed.velocity",
         );
         check(&Spot::component(&arm).key(["tasks"]), "robot.toml:4: component.tasks");
+        let rules = "[[component]]\nlibrary = \"demo\"\n[[component.supervision]]\nstuck = true\n\
+                     [[component.supervision]]\nwcet = true\n";
+        let second =
+            Spot::component(&LoadRequest { library: "demo".into(), ..LoadRequest::default() });
+        let second = second.key(["supervision", "1"]);
+        let told = second.told(Path::new("robot.toml"), rules).unwrap();
+        assert_eq!(told, "robot.toml:5: component.supervision.1");
         let demo = LoadRequest { library: "/path/demo".into(), ..LoadRequest::default() };
         check(&Spot::component(&demo).key(["library"]), "robot.toml:2: component.library");
         let wanted = Spot::entry("connection", vec![("in", "arm/goal".into())]).key(["out"]);

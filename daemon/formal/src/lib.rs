@@ -18,6 +18,7 @@ mod hints;
 mod large;
 mod lock;
 mod machines;
+mod monitor;
 mod pack;
 mod played;
 mod property;
@@ -38,6 +39,7 @@ pub use export::{ExportError, Format};
 pub use found::{Found, Ticks};
 pub use hints::{Hint, hints};
 pub use lock::{Conflicts, Lock};
+pub use monitor::Fires;
 pub use played::{Call, Course, Event, Happening};
 pub use property::{Finding, Property, Report, Verdict};
 pub use schedule::{

@@ -10,6 +10,7 @@ use genom_supervisor::Supervisor;
 use genom_systemd::Manager;
 use genom_telemetry::logs;
 use genom_web::Console;
+use serde_json::Value;
 use tokio::sync::mpsc::{UnboundedSender, unbounded_channel};
 use tokio_util::sync::CancellationToken;
 
@@ -84,6 +85,17 @@ impl Daemon {
     }
 }
 
+/// The component of a cell that broke a rule whose reaction is `withhold`, and how.
+fn withholds(change: &Value) -> Option<(&str, String)> {
+    let component = change["component"].as_str()?;
+    let broken = change["event"] == "supervision_violated";
+    let reactions = change["reactions"].as_array().filter(|_| broken)?;
+    let kind = change["kind"].as_str().unwrap_or_default();
+    let what = change["what"].as_str().unwrap_or_default();
+    let withheld = reactions.iter().any(|reaction| reaction == "withhold");
+    withheld.then(|| (component, format!("{kind} supervision of {component}: {what}")))
+}
+
 /// The cells there may be; what they tell is told on.
 fn cells(
     settings: &Settings,
@@ -91,7 +103,7 @@ fn cells(
     boxes: Arc<BlackBoxes>,
     failures: UnboundedSender<Failure>,
 ) -> Cells {
-    let bus = Arc::clone(&supervisor.bus);
+    let (bus, withheld) = (Arc::clone(&supervisor.bus), Arc::clone(&supervisor.withheld));
     Cells::new(Setup {
         // Also when the file was replaced by a newer one since.
         program: PathBuf::from("/proc/self/exe"),
@@ -102,7 +114,12 @@ fn cells(
         boxes,
         stop_timeout: settings.supervisor.stop_timeout,
         hears: Box::new(move |told| match told {
-            Told::Change(change) => bus.tell_on(&change),
+            Told::Change(change) => {
+                if let Some((component, why)) = withholds(&change) {
+                    withheld.withhold(component, why);
+                }
+                bus.tell_on(&change);
+            }
             Told::Log(entry) => logs::past().add(&entry),
             Told::Cell(change) => bus.tell(&change),
             // Nobody listens any more when the daemon ends.

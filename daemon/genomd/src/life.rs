@@ -38,6 +38,10 @@ impl Signs for Life {
         self.supervisor.wake_shared();
     }
 
+    fn withheld(&self) -> Option<String> {
+        self.supervisor.withheld.why()
+    }
+
     fn is_over(&self) -> bool {
         self.supervisor.closed.is_up()
     }

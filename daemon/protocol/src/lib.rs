@@ -68,10 +68,11 @@ mod sources;
 pub mod sse;
 mod state;
 mod statistics;
-mod supervision;
+pub mod supervision;
 mod tokens;
 mod values;
 mod web;
+mod withheld;
 
 pub use about::{About, Ready, ReadyParameters, Stopping};
 pub use activities::{
@@ -130,11 +131,13 @@ pub use state::{
 };
 pub use statistics::{CodelStatistics, Durations, Statistics, TaskStatistics, Yielded};
 pub use supervision::{
-    Condition, Kind, MOST_RULES, NoRule, OwnResponse, Response, Rule, SupervisionEntry, Whose,
+    Beats, Broken, Condition, Kind, MOST_RULES, NoRule, OwnResponse, Response, Rule,
+    SupervisionEntry, Whose,
 };
 pub use tokens::{Reloaded, TokenEntry, TokenFile};
 pub use values::{Form, StreamEnd, StreamParameters};
 pub use web::{Link, LinkRequest};
+pub use withheld::{Cleared, Withheld, WithheldFor};
 
 /// Whether a flag is false: it is then left out of the JSON.
 fn is_false(flag: &bool) -> bool {

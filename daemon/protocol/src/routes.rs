@@ -18,14 +18,14 @@ use crate::frames::Channels;
 use crate::{
     Aborted, About, Activities, Activity, AllAborted, Answers, Applied, AskParameters, BlackBox,
     BlackBoxLeft, CallParameters, CallReply, Cell, CellEnds, Cells, Change, ChangeParameters,
-    Clock, Component, ComponentReload, Components, Connection, ConnectionRequest, Connections,
-    CrashReport, Crashes, Daemons, DeploymentRequest, Description, Disconnected, Dumped, Findings,
-    Fired, Frozen, GoesOn, Inputs, Link, LinkRequest, LoadRequest, LogEntry, LogParameters, Logs,
-    LookParameters, MiddlewareParameters, Middlewares, MoveRequest, Moved, Port, PortParameters,
-    PortTraffic, PortType, Ports, Published, Ready, ReadyParameters, RecordingEnds,
-    RecordingRequest, ReloadRequest, Reloaded, Replayed, Right, Service, Sources, Statistics,
-    StepRequest, Stopping, StreamParameters, TakenBack, ThawRequest, Thawed, Unloaded,
-    ValueParameters,
+    Cleared, Clock, Component, ComponentReload, Components, Connection, ConnectionRequest,
+    Connections, CrashReport, Crashes, Daemons, DeploymentRequest, Description, Disconnected,
+    Dumped, Findings, Fired, Frozen, GoesOn, Inputs, Link, LinkRequest, LoadRequest, LogEntry,
+    LogParameters, Logs, LookParameters, MiddlewareParameters, Middlewares, MoveRequest, Moved,
+    Port, PortParameters, PortTraffic, PortType, Ports, Published, Ready, ReadyParameters,
+    RecordingEnds, RecordingRequest, ReloadRequest, Reloaded, Replayed, Right, Service, Sources,
+    Statistics, StepRequest, Stopping, StreamParameters, TakenBack, ThawRequest, Thawed, Unloaded,
+    ValueParameters, Withheld,
 };
 
 /// HTTP method.
@@ -283,6 +283,10 @@ routes! {
     Get clock() [Read] "/clock", Clock;
     /// Advances the clock, if it is virtual.
     Post step() [Call] "/clock" => StepRequest, Clock;
+    /// Why the service manager gets no sign of life.
+    Get withheld() [Read] "/withheld", Withheld;
+    /// Gives signs of life again that were withheld because of a component.
+    Delete clear_withheld(instance) [Admin] "/withheld/{instance}", Cleared;
     /// Lists the middlewares.
     Get middlewares() [Read] "/middlewares" ?MiddlewareParameters, Middlewares;
     /// Lists the daemons that are visible on middlewares.

@@ -73,6 +73,13 @@ pub trait Body: Send + Sync {
         None
     }
 
+    /// How many values codels have written on an out port so far. Called by the thread that has just
+    /// run one.
+    fn written(&self, port: PortIx) -> u64 {
+        let _ = port;
+        0
+    }
+
     /// A description of where codels wrote past their memory, if that was detected.
     fn damage(&self) -> Option<String> {
         None

@@ -20,6 +20,7 @@ use crate::lock::lock;
 use crate::options::Options;
 use crate::plan::{Plan, owner_name};
 use crate::rest::{NoRest, Rest};
+use crate::rules::Happening;
 use crate::running::{HeldUp, RunningCodel};
 use crate::shutdown::ShutdownError;
 use crate::start::StartError;
@@ -143,6 +144,7 @@ impl Instance {
         if sink >= known {
             return Err(NoSuchEvent { sink, known });
         }
+        self.engine.happens(Happening::Fire(sink), 0);
         self.engine.shared.tasks.iter().for_each(|task| task.fire(sink));
         Ok(())
     }
@@ -262,6 +264,12 @@ impl Instance {
     pub fn violations(&self) -> Vec<u64> {
         let rules = &self.engine.shared.rules;
         rules.counts()
+    }
+
+    /// What orders and formulas did not hear of, since more happened at once than they keep.
+    #[must_use]
+    pub fn unheard(&self) -> u64 {
+        self.engine.shared.rules.unheard()
     }
 
     /// Rounds of the control thread so far. `None` when there is no such thread: on a virtual

@@ -68,7 +68,10 @@ pub use instance::{Instance, NoSuchEvent};
 pub use options::{ACTIVITY_LIMIT, Execution, GiveUp, Options, STUCK_AFTER, TaskOptions};
 pub use plan::{Plan, PlanError};
 pub use rest::{NoRest, Rest};
-pub use rules::{MOST_RULES, Rule, Supervised, Violation};
+pub use rules::{
+    Beats, Bounds, Happening, Judge, MOST_PARTS, MOST_RULES, MOST_STEPS, NoOrder, NoProgram, Order,
+    Part, Program, Rule, Supervised, Violation,
+};
 pub use running::{HeldUp, RunningCodel, seconds};
 pub use shutdown::ShutdownError;
 pub use start::StartError;

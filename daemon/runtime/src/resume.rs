@@ -13,6 +13,7 @@ use crate::engine::Engine;
 use crate::frozen::{FrozenActivity, FrozenToken, Resume, Resumed, Waiting};
 use crate::lock::lock;
 use crate::plan::Machine;
+use crate::rules::Happening;
 use crate::task::run::{Mode, RunOutcome, Status, Token};
 use crate::watcher::Change;
 
@@ -51,6 +52,9 @@ impl Engine {
                 if let Some(queue) = control.services.get_mut(service) {
                     queue.ran = true;
                     self.shared.rules.has_run(&self.shared.plan, service);
+                    // What formulas and orders ask for was done in the instance before.
+                    self.happened(Happening::Start(service));
+                    self.happened(Happening::End(service));
                 }
             }
         }
@@ -87,6 +91,7 @@ impl Engine {
             }
         }
         if self.shared.held.swap(false, Ordering::AcqRel) {
+            self.shared.rules.await_beats(self.shared.clock.now());
             self.shared.wake_tasks();
             self.shared.wake_control();
         }
@@ -205,6 +210,7 @@ impl Engine {
         let by = activity.stopped_by;
         if activity.phase != ActivityPhase::Init {
             self.shared.rules.begins(machine);
+            self.happened(Happening::Start(service));
         }
         self.lock().entries.push(Entry {
             id,
@@ -213,6 +219,7 @@ impl Engine {
             marker,
             stage,
             by,
+            asked: None,
             reply: Some(reply),
             accepted: self.shared.clock.now(),
             late: 0,

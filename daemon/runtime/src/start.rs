@@ -262,6 +262,7 @@ impl Engine {
             by: None,
             reply: None,
             accepted: self.shared.clock.now(),
+            asked: None,
             late: 0,
         });
         control.send(task, run);
@@ -317,6 +318,7 @@ impl Engine {
     /// genom3.md 7.2.4: from here on requests are served.
     fn open(self: &Arc<Self>, clock: &Clock) {
         self.lock().phase = Phase::Running;
+        self.shared.rules.await_beats(self.shared.clock.now());
         if let Clock::Virtual(clock) = clock {
             let engine: Arc<dyn crate::clock::Driven> = Arc::<Self>::clone(self);
             clock.drive(Arc::downgrade(&engine));

@@ -11,7 +11,10 @@ use std::time::Duration;
 
 use genom_allocations as allocations;
 use genom_description::model::Owner;
-use genom_runtime::{Change, Ix as _, Rule, Supervised, TaskIx, Watcher};
+use genom_runtime::{
+    Beats, Bounds, Change, Happening, Ix as _, Order, Part, Program, Rule, Supervised, TaskIx,
+    Watcher,
+};
 use support::closures::{Closures, Codel, LONG, next, request};
 
 struct Blind;
@@ -72,12 +75,38 @@ fn ten_thousand_ticks_allocate_nothing() {
     };
     let state = |name| model.state(name).unwrap();
     let busy = body.plan.service("busy").unwrap();
+    let ticks: Vec<Happening> = of("tick").into_iter().map(Happening::Call).collect();
+    let (states, never) = (vec!["a".into(), "b".into()], vec![Happening::Fire(0)]);
+    let order = Order::new(
+        states,
+        vec![("tick".into(), ticks.clone()), ("beat".into(), never)],
+        &[(0, 1, 1), (1, 0, 0)],
+    );
+    let within = Bounds { least: 1_000, most: 20_000 };
+    let parts = [
+        (Part::Happens(ticks), "tick"),
+        (Part::Runs(busy), "run(busy)"),
+        (Part::Since(within, 1, 0), "run(busy) since[1 us, 20 us] tick"),
+        (Part::Not(0), "not tick"),
+        (Part::And(2, 3), "run(busy) since[1 us, 20 us] tick and not tick"),
+    ];
+    let formula =
+        Program::new(parts.into_iter().map(|(part, text)| (part, text.to_owned())).collect());
     let rules = [
         Rule::Longest { codels: vec![(of("tick")[0], Duration::ZERO)] },
         Rule::Missed { task, ticks: 1, within: Duration::from_secs(1) },
         Rule::During { codels: of("tick"), service: busy },
         Rule::After { codels: of("two"), first: of("extra") },
         Rule::Step { owner: Owner::Service(busy), from: state("start"), to: state("main") },
+        Rule::Cycle { task, longest: Duration::from_nanos(1) },
+        Rule::Beat {
+            of: Beats::Codels(of("tick")),
+            least: Duration::from_secs(1),
+            longest: Duration::from_secs(2),
+            during: None,
+        },
+        Rule::Order(order.unwrap()),
+        Rule::Formula(formula.unwrap()),
     ];
     let instance = body.start_with(|options| {
         options.watcher = Some(Arc::new(Blind));
@@ -98,7 +127,11 @@ fn ten_thousand_ticks_allocate_nothing() {
         instance.fire(0).unwrap();
     };
     assert_eq!(allocated, 0);
-    let [long, _, during, after, step] = instance.violations()[..] else { panic!("five rules") };
-    assert!(long >= TICKS && during > 0 && after > 0 && step > 0, "{:?}", instance.violations());
+    let all = instance.violations();
+    let [long, _, during, after, step, cycle, beat, order, formula] = all[..] else {
+        panic!("nine rules")
+    };
+    assert!(long >= TICKS && during > 0 && after > 0 && step > 0, "{all:?}");
+    assert!(cycle >= TICKS && beat >= TICKS && order > 0 && formula >= TICKS, "{all:?}");
     instance.shutdown(LONG).unwrap();
 }

@@ -19,6 +19,7 @@ use crate::reactor::Reactions;
 use crate::recording::{BlackBox, Recordings, Session, heads};
 use crate::settings::Settings;
 use crate::vigil;
+use crate::withheld::Withheld;
 use genom_bus::flag::Flag;
 use genom_bus::{Bus, Change};
 
@@ -38,6 +39,8 @@ pub struct Supervisor {
     pub execution: Execution,
     /// What broken rules of supervision ask for.
     pub reactions: Arc<Reactions>,
+    /// Signs of life that the service manager does not get.
+    pub withheld: Arc<Withheld>,
     /// The thread that watches codels.
     vigil: OnceLock<Thread>,
     /// Where changes are reported.
@@ -91,6 +94,7 @@ impl Supervisor {
             execution,
             bus,
             reactions: Arc::default(),
+            withheld: Arc::default(),
             vigil: OnceLock::new(),
             recordings,
             deploying: Mutex::default(),

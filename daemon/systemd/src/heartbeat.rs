@@ -26,6 +26,10 @@ pub trait Signs: Send {
     fn wake(&self);
     /// Whether the daemon has ended.
     fn is_over(&self) -> bool;
+    /// Why no sign is to be given although there are some, if so.
+    fn withheld(&self) -> Option<String> {
+        None
+    }
 }
 
 /// What does not live.
@@ -35,6 +39,8 @@ enum Silence {
     ControlPlane,
     #[error("the control thread of {0} does not go on")]
     Thread(String),
+    #[error("signs of life are withheld: {0}")]
+    Withheld(String),
 }
 
 /// Tells a manager that waits for it that the daemon lives, twice within the time that it waits, in
@@ -74,6 +80,9 @@ pub fn heartbeat(
 
 /// Looks for all signs, for a limited time.
 fn look(signs: &impl Signs, runtime: &Handle, longest: Duration) -> Result<(), Silence> {
+    if let Some(why) = signs.withheld() {
+        return Err(Silence::Withheld(why));
+    }
     let end = Instant::now() + longest;
     let (tell, told) = sync_channel(1);
     let answers = signs.answers();
@@ -109,6 +118,7 @@ mod tests {
         answers: bool,
         round: AtomicU64,
         goes_on: bool,
+        withheld: Option<&'static str>,
     }
 
     impl Signs for Daemon {
@@ -128,19 +138,27 @@ mod tests {
         fn is_over(&self) -> bool {
             false
         }
+
+        fn withheld(&self) -> Option<String> {
+            self.withheld.map(str::to_owned)
+        }
     }
 
     #[test]
     fn a_daemon_lives_only_if_its_control_plane_answers_and_its_threads_go_on() {
         let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
         let seen = |answers, goes_on, longest| {
-            let daemon = Daemon { answers, round: AtomicU64::new(3), goes_on };
+            let daemon = Daemon { answers, round: AtomicU64::new(3), goes_on, withheld: None };
             look(&daemon, runtime.handle(), longest)
         };
         assert_eq!(seen(true, true, Duration::from_secs(60)), Ok(()));
         let brief = Duration::from_millis(20);
         assert_eq!(seen(false, true, brief), Err(Silence::ControlPlane));
         assert_eq!(seen(true, false, brief), Err(Silence::Thread("arm".to_owned())));
+        let (round, withheld) = (AtomicU64::new(3), Some("arm is late"));
+        let daemon = Daemon { answers: true, round, goes_on: true, withheld };
+        let silence = look(&daemon, runtime.handle(), brief).unwrap_err();
+        assert_eq!(silence.to_string(), "signs of life are withheld: arm is late");
     }
 
     #[test]
@@ -151,7 +169,8 @@ mod tests {
         runtime.spawn(async move {
             let _ = held.recv();
         });
-        let daemon = Daemon { answers: true, round: AtomicU64::new(0), goes_on: true };
+        let (round, withheld) = (AtomicU64::new(0), None);
+        let daemon = Daemon { answers: true, round, goes_on: true, withheld };
         let brief = Duration::from_millis(20);
         assert_eq!(look(&daemon, runtime.handle(), brief), Err(Silence::ControlPlane));
         drop(let_go);

@@ -4,6 +4,7 @@ import { get, path, post, told } from "./api.js";
 import { el, heads, name, note, put } from "./dom.js";
 import { tone } from "./overview.js";
 import { ports } from "./port.js";
+import { rules } from "./rules.js";
 import { service } from "./service.js";
 import { count, duration, middlewares } from "./units.js";
 
@@ -22,6 +23,7 @@ export async function component(page, context, named) {
   // Where there are many services, forms are filled only of those that somebody opens.
   const services = mine.map((one) => service(named, one, context, mine.length <= FEW || one.kind === "activity"));
   const shown = ports(named, context, () => live.watch(watched()));
+  const supervised = rules();
   const tasks = el("tbody");
   const table = el("div", { class: "wide" }, el("table", { class: "cards", id: "tasks" },
     heads(["Task", "#Period", "#Cycles", "#Missed", "#Work, mean", "#Longest", "#Lateness, 99 %"]), tasks));
@@ -40,7 +42,7 @@ export async function component(page, context, named) {
     described.events.length > 0 && el("section", {}, el("h2", {}, "Events"),
       el("div", { class: "row" }, described.events.map((event) => fire(named, event, context)))),
     el("section", {}, el("h2", {}, "Ports"), el("p", { class: "soft" }, "Open a port to see its value."), shown.node),
-    el("section", {}, el("h2", {}, "Tasks"), table));
+    el("section", {}, el("h2", {}, "Tasks"), table), supervised.node);
 
   function takeTasks({ tasks: all }) {
     put(tasks, all.map((task) => {
@@ -60,6 +62,7 @@ export async function component(page, context, named) {
     const now = components.find((one) => one.name === named);
     if (now && gone) return context.redraw();
     gone = !now;
+    supervised.take(now?.supervision ?? []);
     put(state, now ? now.state : "gone");
     state.className = `pill ${now ? tone(now.state) : "bad"}`;
   }

@@ -43,6 +43,7 @@ const ALL: &[Asset] = assets! {
     "form.js" SCRIPT;
     "machine.js" SCRIPT;
     "port.js" SCRIPT;
+    "rules.js" SCRIPT;
     "plot.js" SCRIPT;
     "graph.js" SCRIPT;
     "scene.js" SCRIPT;

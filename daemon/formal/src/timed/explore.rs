@@ -40,18 +40,20 @@ pub struct Timed {
     /// For each task, the longest time from a tick to the end of its cycle, in nanoseconds; `None`
     /// inside if there is no bound.
     pub(crate) responses: Vec<Option<Option<u64>>>,
+    /// For each task, the end of the longest such cycle.
+    pub(crate) slowest: Vec<Option<Overrun>>,
     /// What ended the exploration early.
     pub limit: Option<Limit>,
     /// Time that it took.
     pub took: std::time::Duration,
 }
 
-/// A tick that comes while the task is at work.
+/// A step that a run leads to, such as a tick that comes while its task is at work.
 #[derive(Clone, Copy, Debug)]
 pub struct Overrun {
-    /// The node that it comes in.
+    /// The node that it leaves.
     node: u32,
-    /// The tick.
+    /// The step.
     action: Action,
 }
 
@@ -67,6 +69,7 @@ impl Timed {
             of_state: Vec::new(),
             overruns: vec![None; tasks],
             responses: vec![None; tasks],
+            slowest: vec![None; tasks],
             limit: None,
             took: std::time::Duration::ZERO,
         };
@@ -159,6 +162,9 @@ impl Timed {
                 let at = clocks.iter().position(own).map_or(0, |at| at + 1);
                 let most = zone.most(at).and_then(|most| u64::try_from(most).ok());
                 let longest = &mut self.responses[task];
+                if most.is_none() || longest.flatten().is_none_or(|before| most > Some(before)) {
+                    self.slowest[task] = Some(Overrun { node: number, action });
+                }
                 *longest = Some(match (*longest, most) {
                     (Some(None), _) | (_, None) => None,
                     (Some(Some(before)), Some(most)) => Some(before.max(most)),

@@ -30,6 +30,9 @@ pub struct TaskReport {
     /// The longest time from a tick to the end of the cycle that it begins, in nanoseconds; `None`
     /// if there is no bound, or no cycle.
     pub response: Option<u64>,
+    /// A run to the end of a cycle that may take that long; empty if none was seen. Dates are the
+    /// earliest ones.
+    pub slowest: Vec<Dated>,
     /// A run in which a tick comes while the task is at work; empty if there is none.
     pub overrun: Vec<Dated>,
     /// The same run, step by step.
@@ -71,6 +74,9 @@ impl System {
                 period: (*period)?.period,
                 response: explored.responses[at].flatten(),
                 open: run.is_empty() && explored.limit.is_some(),
+                slowest: explored.slowest[at]
+                    .map(|end| self.dated(times, &explored.run_to(self, end)))
+                    .unwrap_or_default(),
                 overrun: self.dated(times, &run),
                 course: Course { steps: run },
                 needed: needed.into_iter().map(named).collect(),

@@ -40,7 +40,13 @@ pub(super) fn draw(
         let wrong = !is.is_empty() || one.state.starts_with("spins");
         wrong.then(|| format!("{} {is}{}; ", one.name, one.state))
     });
-    let stuck: String = wrong.collect();
+    let broken = now.components.iter().map(|one| &one.component).filter_map(|one| {
+        let rules = one.supervision.iter().filter(|rule| rule.violations > 0).count();
+        let rules = if rules == 1 { "a rule".to_owned() } else { format!("{rules} rules") };
+        let any = one.supervision.iter().any(|rule| rule.violations > 0);
+        any.then(|| format!("{} broke {rules}; ", one.name))
+    });
+    let stuck: String = wrong.chain(broken).collect();
     // Problems come first, because the line may be cut.
     let text = format!(
         "{stuck}genomd on {}: {}, {running} running",
@@ -340,6 +346,22 @@ mod tests {
         let mut terminal = Terminal::new(TestBackend::new(100, 12)).unwrap();
         terminal.draw(|frame| draw(frame, &now, None, &Trends::default(), 0, "")).unwrap();
         assert_eq!(terminal.backend().buffer()[(0, 0)].fg, Color::Red);
+    }
+
+    #[test]
+    fn a_component_that_broke_rules_is_told_in_the_title() {
+        let mut now = snapshot(1, Instant::now());
+        let rule = |violations| genom_protocol::Rule {
+            rule: "codel demo_servo takes more than 2 ms".into(),
+            kind: genom_protocol::Kind::Deadline,
+            reactions: vec!["event".into()],
+            violations,
+            last: None,
+        };
+        now.components[0].component.supervision = vec![rule(7), rule(0), rule(1)];
+        assert!(text(&now, None, 100).starts_with("demo broke 2 rules; genomd on "));
+        now.components[0].component.supervision = vec![rule(7), rule(0)];
+        assert!(text(&now, None, 100).starts_with("demo broke a rule; genomd on "));
     }
 
     #[test]

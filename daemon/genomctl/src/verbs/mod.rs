@@ -41,6 +41,7 @@ mod logs;
 mod lsp;
 mod man;
 mod model;
+mod monitor;
 mod new;
 mod outcome;
 mod plot;
@@ -110,6 +111,7 @@ pub(crate) enum Verb {
     Fire(fire::Args),
     Events(events::Args),
     Stats(stats::Args),
+    Monitor(monitor::Args),
     Top(top::Args),
     Logs(logs::Args),
     Web(web::Args),
@@ -198,6 +200,7 @@ pub(crate) async fn run(
         Verb::Fire(args) => fire::run(args, session).await,
         Verb::Events(args) => events::run(args, session).await,
         Verb::Stats(args) => stats::run(args, session).await,
+        Verb::Monitor(args) => monitor::run(args, session).await,
         Verb::Top(args) => top::run(args, session).await,
         Verb::Logs(args) => logs::run(args, session).await,
         Verb::Web(args) => web::run(args, session).await,

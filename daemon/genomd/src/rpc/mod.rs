@@ -37,6 +37,7 @@ mod tasks;
 mod tokens;
 mod values;
 mod why;
+mod withheld;
 
 use std::sync::Arc;
 
@@ -109,6 +110,8 @@ fn routes() -> OpenApiRouter<Parts> {
         .routes(routes!(genom_web::make_link))
         .routes(routes!(document::json))
         .routes(routes!(document::page))
+        .routes(routes!(withheld::list))
+        .routes(routes!(withheld::clear))
         .routes(routes!(daemon::shutdown))
         .routes(routes!(ready::ready))
 }

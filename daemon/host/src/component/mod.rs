@@ -170,6 +170,10 @@ impl Body for Component {
         self.inner.ports.look(port, element, message).flatten()
     }
 
+    fn written(&self, port: PortIx) -> u64 {
+        self.inner.ports.written(port)
+    }
+
     fn damage(&self) -> Option<String> {
         self.inner.damage.get().cloned()
     }

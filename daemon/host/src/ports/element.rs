@@ -3,7 +3,8 @@
 
 use std::cell::UnsafeCell;
 use std::collections::HashSet;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use genom_description::model::PortDirection;
 use genom_middleware::{PublishError, Publisher, ReadError, Reading, Subscription};
@@ -40,6 +41,8 @@ pub(super) struct Element {
     /// Whether a thread is using `inner`.
     busy: AtomicBool,
     snapshot: Snapshot,
+    /// Values that codels have written, on all elements of the port.
+    written: Arc<AtomicU64>,
 }
 
 struct Inner {
@@ -75,7 +78,12 @@ unsafe impl Send for Element {}
 
 impl Element {
     /// An empty buffer, with a C++ object for codels in that language.
-    pub(super) fn new(ty: &DataType, cxx: Option<&CxxType>, link: Link) -> Self {
+    pub(super) fn new(
+        ty: &DataType,
+        cxx: Option<&CxxType>,
+        link: Link,
+        written: &Arc<AtomicU64>,
+    ) -> Self {
         let mut buffer = Record::new(ty);
         let object = cxx.map(Object::new);
         let address = object.as_ref().map_or(buffer.as_mut_ptr(), Object::at) as usize;
@@ -88,6 +96,7 @@ impl Element {
             visible,
             busy: AtomicBool::new(false),
             snapshot: Snapshot::new(ty),
+            written: Arc::clone(written),
         }
     }
 
@@ -150,7 +159,9 @@ impl Element {
             if let Some(object) = &inner.object {
                 object.get(&mut inner.buffer);
             }
-            Self::publish(&self.snapshot, &mut inner.link, &inner.buffer)
+            Self::publish(&self.snapshot, &mut inner.link, &inner.buffer)?;
+            self.written.fetch_add(1, Ordering::Relaxed);
+            Ok(())
         });
         written.unwrap_or(Err(Failure::PortIo))
     }

@@ -11,6 +11,7 @@ mod snapshot;
 
 use std::collections::HashSet;
 use std::ffi::c_void;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use genom_description::model::{Indexed, Port, PortDirection, PortIx};
@@ -36,6 +37,8 @@ struct Handle {
     name: String,
     buffers: Buffers,
     interface: Interface,
+    /// Values that codels have written.
+    written: Arc<AtomicU64>,
 }
 
 /// The handle whose address codels get.
@@ -66,11 +69,20 @@ impl Ports {
             let ty = &types[ix];
             let in_cxx = cxx.and_then(|cxx| cxx.types.get(ix));
             let direction = port.direction;
+            let written = Arc::new(AtomicU64::new(0));
             let buffers = if port.multiple {
                 let opener = Arc::clone(&opener);
-                Buffers::Multiple(Arc::new(Elements::new(ix, direction, ty, in_cxx, opener)))
+                Buffers::Multiple(Arc::new(Elements::new(
+                    ix,
+                    direction,
+                    ty,
+                    in_cxx,
+                    opener,
+                    Arc::clone(&written),
+                )))
             } else {
-                Buffers::Simple(Arc::new(Element::new(ty, in_cxx, Link::unbound(direction))))
+                let link = Link::unbound(direction);
+                Buffers::Simple(Arc::new(Element::new(ty, in_cxx, link, &written)))
             };
             let interface = match cxx {
                 Some(cxx) => {
@@ -86,7 +98,7 @@ impl Ports {
                     Interface::C { table, _functions: functions }
                 }
             };
-            Some(Handle { name: port.name.clone(), buffers, interface })
+            Some(Handle { name: port.name.clone(), buffers, interface, written })
         };
         let ports = ports.pairs().map(handle).collect::<Option<_>>()?;
         Some(Self { ports, opener })
@@ -98,6 +110,11 @@ impl Ports {
             Interface::C { table, .. } => table.as_ptr().cast(),
             Interface::Cxx(handle) => handle.address(),
         }
+    }
+
+    /// How many values codels have written on a port.
+    pub(crate) fn written(&self, port: PortIx) -> u64 {
+        self.ports.get(port).map_or(0, |handle| handle.written.load(Ordering::Relaxed))
     }
 
     /// Binds an out port, or one of its elements.

@@ -1,6 +1,7 @@
 //! The elements of a multiple port, by name.
 
 use std::collections::{BTreeMap, HashSet};
+use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use genom_description::model::{PortDirection, PortIx};
@@ -24,6 +25,7 @@ pub(super) struct Elements {
     ty: DataType,
     cxx: Option<CxxType>,
     elements: Mutex<BTreeMap<Box<[u8]>, Arc<Element>>>,
+    written: Arc<AtomicU64>,
     opener: Arc<OnceLock<Box<dyn Opener>>>,
 }
 
@@ -35,9 +37,10 @@ impl Elements {
         ty: &DataType,
         cxx: Option<&CxxType>,
         opener: Arc<OnceLock<Box<dyn Opener>>>,
+        written: Arc<AtomicU64>,
     ) -> Self {
-        let cxx = cxx.cloned();
-        Self { port, direction, ty: ty.clone(), cxx, elements: Mutex::default(), opener }
+        let (cxx, ty, elements) = (cxx.cloned(), ty.clone(), Mutex::default());
+        Self { port, direction, ty, cxx, elements, written, opener }
     }
 
     fn lock(&self) -> MutexGuard<'_, BTreeMap<Box<[u8]>, Arc<Element>>> {
@@ -57,7 +60,8 @@ impl Elements {
     /// The element with this name, created if it does not exist.
     fn get_or_make(&self, name: &str) -> Arc<Element> {
         let cxx = self.cxx.as_ref();
-        let make = || Arc::new(Element::new(&self.ty, cxx, Link::unbound(self.direction)));
+        let link = || Link::unbound(self.direction);
+        let make = || Arc::new(Element::new(&self.ty, cxx, link(), &self.written));
         Arc::clone(self.lock().entry(name.as_bytes().into()).or_insert_with(make))
     }
 

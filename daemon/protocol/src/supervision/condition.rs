@@ -5,12 +5,16 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
+use super::formula::{Formula, NoFormula};
+use super::order::{NoOrder, Order};
+use super::short::Short;
+
 /// Limit on the rules of a component.
 pub const MOST_RULES: usize = 32;
 /// Limit on `missed`.
 pub(super) const MOST_MISSED: u32 = 1000;
 /// Limit on times in milliseconds.
-const MOST_MS: f64 = 1e9;
+pub(super) const MOST_MS: f64 = 1e9;
 /// Limit on the reactions of a rule.
 pub(super) const MOST_REACTIONS: usize = 8;
 /// Window of `missed` where none is given.
@@ -25,8 +29,12 @@ pub enum Kind {
     Alive,
     /// Times of codels and activities.
     Deadline,
-    /// Orders of codels and states.
+    /// Orders of codels, services and states.
     Logical,
+    /// Time between two calls of a codel, or two values of a port.
+    Heartbeat,
+    /// What holds at each event.
+    Formula,
 }
 
 impl Kind {
@@ -37,6 +45,8 @@ impl Kind {
             Self::Alive => "alive",
             Self::Deadline => "deadline",
             Self::Logical => "logical",
+            Self::Heartbeat => "heartbeat",
+            Self::Formula => "formula",
         }
     }
 }
@@ -55,6 +65,24 @@ impl fmt::Display for Whose {
         match self {
             Self::Activity(name) => write!(f, "activity {name}"),
             Self::Task(name) => write!(f, "task {name}"),
+        }
+    }
+}
+
+/// Whose heartbeat.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Beats {
+    /// The calls of a codel.
+    Codel(String),
+    /// The values that codels write on a port.
+    Port(String),
+}
+
+impl fmt::Display for Beats {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Codel(name) => write!(f, "codel {name} is not called"),
+            Self::Port(name) => write!(f, "port {name} is not written"),
         }
     }
 }
@@ -79,6 +107,20 @@ pub enum Condition {
     NeverWhile { codel: String, activity: String },
     /// A step between two states.
     Step { of: Whose, from: String, to: String },
+    /// A cycle of a task takes longer.
+    Cycle { task: String, longest: Duration },
+    /// An activity that was asked to stop takes longer.
+    Stop { activity: String, longest: Duration },
+    /// Something comes too early or too late, while an activity runs or always.
+    Beat { of: Beats, least: Duration, longest: Duration, during: Option<String> },
+    /// A service starts before another one has ended.
+    ServiceAfter { service: String, first: String },
+    /// A service starts while another one runs.
+    ServiceNeverWhile { service: String, other: String },
+    /// Something happens that no step allows.
+    Order(Order),
+    /// It does not hold.
+    Formula(Formula),
 }
 
 /// Why a rule is none.
@@ -86,9 +128,11 @@ pub enum Condition {
 pub enum NoRule {
     /// Keys that are too few, too many, or do not belong together.
     #[error(
-        "supervision says no rule: one is `task` with `missed` (and `within_ms`); `codel` or \
-         `activity` with `longest_ms`; `wcet = true` or `stuck = true`, also with `codel`; `codel` \
-         with `after` or `never_while`; `activity` or `task` with `from` and `to`"
+        "supervision says no rule: one is `task` with `missed` (and `within_ms`); `codel`, \
+         `activity` or `task` with `longest_ms`; `activity` with `longest_stop_ms`; `wcet = true` \
+         or `stuck = true`, also with `codel`; `codel` or `port` with `every_ms` (and `while`); \
+         `codel` or `service` with `after` or `never_while`; `activity` or `task` with `from` and \
+         `to`; `order`; `formula`"
     )]
     Keys,
     /// A number out of range.
@@ -101,6 +145,18 @@ pub enum NoRule {
         /// What it may be.
         range: String,
     },
+    /// Two times the wrong way round.
+    #[error(
+        "supervision: `every_ms` is [{0}, {1}], and is to be [LEAST, LONGEST] in milliseconds: from 0 \
+         on, the first less than the second"
+    )]
+    Every(f64, f64),
+    /// No formula.
+    #[error("supervision: `formula`, {0}")]
+    Formula(#[from] NoFormula),
+    /// No order.
+    #[error("supervision: {0}")]
+    Order(#[from] NoOrder),
     /// Too many rules.
     #[error("supervision: {0} rules, and {MOST_RULES} are the most that a component has")]
     Many(usize),
@@ -126,21 +182,18 @@ impl Condition {
             Self::Missed { .. } => Kind::Alive,
             Self::Longest { .. }
             | Self::Activity { .. }
+            | Self::Cycle { .. }
+            | Self::Stop { .. }
             | Self::Wcet { .. }
             | Self::Stuck { .. } => Kind::Deadline,
-            Self::After { .. } | Self::NeverWhile { .. } | Self::Step { .. } => Kind::Logical,
-        }
-    }
-}
-
-/// `2.5 ms`, `30 s`.
-struct Short(Duration);
-
-impl fmt::Display for Short {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0.as_secs_f64() {
-            seconds if seconds < 0.1 => write!(f, "{} ms", seconds * 1e3),
-            seconds => write!(f, "{seconds} s"),
+            Self::After { .. }
+            | Self::NeverWhile { .. }
+            | Self::ServiceAfter { .. }
+            | Self::ServiceNeverWhile { .. }
+            | Self::Order(_)
+            | Self::Step { .. } => Kind::Logical,
+            Self::Beat { .. } => Kind::Heartbeat,
+            Self::Formula(_) => Kind::Formula,
         }
     }
 }
@@ -171,6 +224,25 @@ impl fmt::Display for Condition {
                 write!(f, "codel {codel} is called while activity {activity} runs")
             }
             Self::Step { of, from, to } => write!(f, "{of} goes from {from} to {to}"),
+            Self::Cycle { task, longest } => {
+                write!(f, "a cycle of task {task} takes more than {}", Short(*longest))
+            }
+            Self::Stop { activity, longest } => {
+                let longest = Short(*longest);
+                write!(f, "activity {activity} takes more than {longest} to stop")
+            }
+            Self::Beat { of, least, longest, during } => {
+                write!(f, "{of} every {} to {}", Short(*least), Short(*longest))?;
+                during.as_ref().map_or(Ok(()), |activity| write!(f, " while {activity} runs"))
+            }
+            Self::ServiceAfter { service, first } => {
+                write!(f, "service {service} starts before {first} has ended")
+            }
+            Self::ServiceNeverWhile { service, other } => {
+                write!(f, "service {service} starts while {other} runs")
+            }
+            Self::Order(order) => write!(f, "something comes out of order: {order}"),
+            Self::Formula(formula) => write!(f, "this does not hold: {formula}"),
         }
     }
 }

@@ -16,7 +16,7 @@ use crate::several::Item;
 #[serde(untagged)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub enum Response {
-    /// `log`, `event`, `interrupt` or `restart`.
+    /// `log`, `event`, `interrupt`, `kill`, `restart` or `withhold`.
     Own(OwnResponse),
     /// A service is called, an activity started, or an event fired.
     Other(Reaction),
@@ -33,16 +33,22 @@ pub enum OwnResponse {
     Event,
     /// The activity that broke the rule is asked to stop.
     Interrupt,
+    /// The component is asked to end, as by its service `kill`.
+    Kill,
     /// The process of the component's cell is ended, and started again by its policy.
     Restart,
+    /// The watchdog of the service manager gets no sign of life until somebody clears that.
+    Withhold,
 }
 
 impl OwnResponse {
-    const ALL: [(&str, Self); 4] = [
+    const ALL: [(&str, Self); 6] = [
         ("log", Self::Log),
         ("event", Self::Event),
         ("interrupt", Self::Interrupt),
+        ("kill", Self::Kill),
         ("restart", Self::Restart),
+        ("withhold", Self::Withhold),
     ];
 }
 
@@ -67,8 +73,8 @@ impl fmt::Display for Response {
 }
 
 impl Item for Response {
-    const EXPECTED: &str = "`log`, `event`, `interrupt`, `restart`, a table with `call`, `start` or \
-                            `fire`, or a list of these";
+    const EXPECTED: &str = "`log`, `event`, `interrupt`, `kill`, `restart`, `withhold`, a table with \
+                            `call`, `start` or `fire`, or a list of these";
     const TEXT: bool = true;
 
     fn mistake(&self) -> Option<String> {

@@ -8,6 +8,7 @@ use super::{Afterwards, Control, Entry, Phase, Stage, interrupted};
 use crate::api::{Outcome, Progress, Reply};
 use crate::body::Frame;
 use crate::engine::{Engine, NoSuchActivity};
+use crate::rules::Happening;
 use crate::task::run::{Marker, Run, Status};
 use crate::watcher::Change;
 
@@ -46,11 +47,13 @@ impl Engine {
                 by: stopping.then(|| "kill".to_owned()),
                 reply: None,
                 accepted: self.shared.clock.now(),
+                asked: None,
                 late: 0,
             });
             run
         };
         let id = run.id;
+        self.happens(Happening::Accept(service), id);
         if let Some(watcher) = &self.watcher {
             watcher.changed(&Change::Accepted { activity: id, service });
         }
@@ -154,8 +157,12 @@ impl Engine {
             }
             Stage::Sent if entry.marker.status() == Status::Run => {
                 entry.by = Some(by.to_owned());
+                entry.asked = Some(self.shared.clock.now());
                 entry.marker.request_stop();
                 self.shared.tasks[entry.task].wake();
+                if let Some(service) = entry.service {
+                    self.happens(Happening::Stop(service), entry.id);
+                }
             }
             Stage::Sent | Stage::Cancelled | Stage::Gone => {}
         }

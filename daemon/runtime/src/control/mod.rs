@@ -87,6 +87,8 @@ pub(crate) struct Entry {
     pub(crate) reply: Option<Reply>,
     /// When it was accepted, by the clock of the instance.
     pub(crate) accepted: u64,
+    /// When it was asked to stop while it ran.
+    pub(crate) asked: Option<u64>,
     /// A bit for each rule about its time that it has broken.
     pub(crate) late: u32,
 }

@@ -14,6 +14,7 @@ use crate::api::{Exception, Inputs, Outcome, Partial, Progress, Reply};
 use crate::body::{Frame, Returned};
 use crate::engine::Engine;
 use crate::lock::Guard;
+use crate::rules::Happening;
 use crate::ticket::Ticket;
 
 /// How often partial inputs are completed anew because codels changed the IDS meanwhile. After
@@ -238,7 +239,7 @@ impl Engine {
         ticket: &Ticket,
     ) -> Result<(), Exception> {
         let plan = &self.shared.plan;
-        let (model, compiled) = (&plan.component().services[service], &plan.services()[service]);
+        let compiled = &plan.services()[service];
         let node = plan.nodes().transfer(service);
         let mut seen = None;
         match inputs {
@@ -254,6 +255,29 @@ impl Engine {
             Inputs::Look => {}
         }
         self.validate(service, frame, context, ticket)?;
+        let executed = compiled.kind != ServiceKind::Activity;
+        if executed {
+            self.happens(Happening::Start(service), 0);
+        }
+        let done = self.execute(service, frame, (inputs, seen), context, ticket);
+        if executed {
+            self.happens(Happening::End(service), 0);
+        }
+        done
+    }
+
+    /// genom3.md 7.3.6, 7.3.7: what follows validation.
+    fn execute(
+        &self,
+        service: ServiceIx,
+        frame: &mut dyn Frame,
+        (inputs, seen): (&mut Inputs, Option<Record>),
+        context: usize,
+        ticket: &Ticket,
+    ) -> Result<(), Exception> {
+        let plan = &self.shared.plan;
+        let (model, compiled) = (&plan.component().services[service], &plan.services()[service]);
+        let node = plan.nodes().transfer(service);
         if compiled.through_ids {
             self.transfer(service, frame, (inputs, seen), context, ticket)?;
         }
@@ -353,10 +377,20 @@ impl Engine {
         begin(ticket)?;
         let called = shared.clock.now();
         shared.calls(codel, |rule, fact| self.violated_aside(rule, fact));
+        let bound = shared.rules.bound(codel);
+        if bound.called {
+            let aside = |seen| self.seen_aside(seen);
+            shared.rules.hear(Happening::Call(codel), 0, called, aside);
+        }
         let (at_work, since) = (&shared.at_work[context], shared.clock.real(called));
         at_work.begins(codel, 0, since);
         let returned = frame.call(codel, context);
         at_work.ends();
+        if bound.returns {
+            let (now, aside) = (shared.clock.now(), |seen| self.seen_aside(seen));
+            shared.rules.wrote(shared.body.as_ref(), codel, 0, now, aside);
+            shared.rules.hear(Happening::Return(codel), 0, now, aside);
+        }
         drop(permit);
         let ns = shared.clock.now().saturating_sub(called);
         let call = (context, since);

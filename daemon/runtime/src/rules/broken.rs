@@ -3,8 +3,10 @@
 
 use genom_description::model::{CodelIx, Component, ServiceIx, StateIx, TaskIx};
 
-use super::Violation;
+use super::{Beats, Rule, Violation};
+use crate::clock::nanos;
 use crate::plan::owner_name;
+use genom_monitor::Happening;
 
 /// A rule was broken.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +21,7 @@ pub(crate) struct Seen {
 }
 
 /// What happened.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Fact {
     /// A call took so long.
     Took { codel: CodelIx, ns: u64 },
@@ -35,28 +37,42 @@ pub(crate) enum Fact {
     During { codel: CodelIx, service: ServiceIx },
     /// A codel yielded this.
     Step { from: StateIx, to: StateIx },
+    /// A cycle of a task took or takes so long.
+    Cycle { task: TaskIx, ns: u64, over: bool },
+    /// An activity that was asked to stop takes so long.
+    Stop { service: ServiceIx, ns: u64 },
+    /// A heartbeat came so long after the one before.
+    Soon { ns: u64 },
+    /// A heartbeat did not come for so long.
+    Late { ns: u64 },
+    /// Something happened that is not allowed in this state of an order.
+    Disordered { what: Happening, state: u8 },
+    /// This part of a formula did not hold when something happened.
+    False { what: Happening, part: u8 },
 }
 
 impl Seen {
     /// The same in words.
-    pub(crate) fn violation(self, model: &Component, count: u64) -> Violation {
+    pub(crate) fn violation(self, model: &Component, rule: &Rule, count: u64) -> Violation {
         let thread = match self.fact {
             Fact::Lasts { thread, .. } => Some(thread).filter(|thread| *thread > 0),
             _ => None,
         };
         Violation {
             rule: self.rule,
-            what: self.fact.tell(model),
+            what: self.fact.tell(model, rule),
             activity: Some(self.activity).filter(|activity| *activity > 0),
             count,
             date: self.date,
             thread,
+            value: self.fact.value(),
+            bound: self.fact.bound(rule),
         }
     }
 }
 
 impl Fact {
-    fn tell(self, model: &Component) -> String {
+    fn tell(self, model: &Component, rule: &Rule) -> String {
         let codel = |ix: CodelIx| {
             let codel = &model.codels[ix];
             format!("codel {} of {}", codel.name, owner_name(model, codel.owner))
@@ -82,7 +98,88 @@ impl Fact {
                 format!("{} was called while activity {service} ran", codel(ix))
             }
             Self::Step { from, to } => format!("it went from {} to {}", state(from), state(to)),
+            Self::Cycle { task, ns, over } => {
+                let took = if over { "took" } else { "has taken" };
+                format!("a cycle of task {} {took} {}", model.tasks[task].name, time(ns))
+            }
+            Self::Stop { service, ns } => {
+                let name = &model.services[service].name;
+                format!("activity {name} was asked to stop {} ago", time(ns))
+            }
+            Self::Soon { ns } => {
+                let (what, done) = beat(model, rule);
+                format!("{what} was {done} {} after the time before", time(ns))
+            }
+            Self::Late { ns } => {
+                let (what, done) = beat(model, rule);
+                format!("{what} was not {done} for {}", time(ns))
+            }
+            Self::Disordered { what, state } => {
+                let Rule::Order(order) = rule else { return what.tell(model) };
+                let allowed = order.allowed(state);
+                let allowed = match allowed.is_empty() {
+                    true => "nothing of it may happen any more".to_owned(),
+                    false => format!("only {} may come", allowed.join(", ")),
+                };
+                format!("{} in state {}, where {allowed}", what.tell(model), order.state(state))
+            }
+            Self::False { what, part } => {
+                let Rule::Formula(program) = rule else { return what.tell(model) };
+                format!("{}, and `{}` did not hold", what.tell(model), program.text(part.into()))
+            }
         }
+    }
+
+    /// What was measured: nanoseconds, or ticks.
+    fn value(self) -> Option<u64> {
+        match self {
+            Self::Took { ns, .. }
+            | Self::Lasts { ns, .. }
+            | Self::Activity { ns, .. }
+            | Self::Cycle { ns, .. }
+            | Self::Stop { ns, .. }
+            | Self::Soon { ns }
+            | Self::Late { ns } => Some(ns),
+            Self::Missed { ticks, .. } => Some(ticks),
+            Self::Early { .. }
+            | Self::During { .. }
+            | Self::Step { .. }
+            | Self::Disordered { .. }
+            | Self::False { .. } => None,
+        }
+    }
+
+    /// What that was compared with.
+    fn bound(self, rule: &Rule) -> Option<u64> {
+        match (rule, self) {
+            (Rule::Missed { ticks, .. }, _) => Some(*ticks),
+            (Rule::Longest { codels }, Self::Took { codel, .. } | Self::Lasts { codel, .. }) => {
+                codels.iter().find(|(own, _)| *own == codel).map(|(_, limit)| nanos(*limit))
+            }
+            (
+                Rule::Activity { longest, .. }
+                | Rule::Cycle { longest, .. }
+                | Rule::Stop { longest, .. },
+                _,
+            ) => Some(nanos(*longest)),
+            (Rule::Beat { least, .. }, Self::Soon { .. }) => Some(nanos(*least)),
+            (Rule::Beat { longest, .. }, _) => Some(nanos(*longest)),
+            _ => None,
+        }
+    }
+}
+
+/// What beats, and what is done to it: `codel arm_servo`, `called`.
+fn beat(model: &Component, rule: &Rule) -> (String, &'static str) {
+    match rule {
+        Rule::Beat { of: Beats::Port(port), .. } => {
+            (format!("port {}", model.ports[*port].name), "written")
+        }
+        Rule::Beat { of: Beats::Codels(codels), .. } => {
+            let name = codels.first().map_or("", |ix| model.codels[*ix].name.as_str());
+            (format!("codel {name}"), "called")
+        }
+        _ => (String::new(), "seen"),
     }
 }
 

@@ -1,14 +1,15 @@
 //! What others see of an instance without the help of its tasks: activities over their time, missed
 //! ticks, and codels that have not returned.
 
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use genom_description::model::{CodelIx, Ix as _, TaskIx};
 
 use super::broken::{Fact, Seen};
-use super::{Rule, Supervised};
+use super::{Happening, Rule, Supervised};
 use crate::clock::{Clock, monotonic, nanos};
-use crate::control::{Afterwards, Control, Entry, Stage};
+use crate::control::{Afterwards, Control, Entry, Phase, Stage};
 use crate::engine::Engine;
 use crate::watcher::Change;
 
@@ -26,7 +27,8 @@ impl Engine {
         let interrupts = rules.all.get(seen.rule).is_some_and(|one| one.interrupts);
         if interrupts {
             let concerned = |entry: &Entry| match seen.fact {
-                Fact::Missed { task, .. } => entry.task == task,
+                Fact::Missed { task, .. } | Fact::Cycle { task, .. } => entry.task == task,
+                Fact::Late { .. } if seen.activity == 0 => entry.service == rules.during(seen.rule),
                 _ => entry.id == seen.activity,
             };
             for at in 0..control.entries.len() {
@@ -39,16 +41,35 @@ impl Engine {
             self.shared.wake_tasks();
         }
         let count = rules.count(seen.rule);
-        let told = seen.violation(self.shared.plan.component(), count);
+        let Some(Supervised { rule, .. }) = rules.all.get(seen.rule) else { return };
+        let told = seen.violation(self.shared.plan.component(), rule, count);
         after.changes.push(Change::Violated(told));
     }
 
     /// Keeps what a codel of a request broke until control tells it.
     pub(crate) fn violated_aside(&self, rule: usize, fact: Fact) {
+        self.seen_aside(Seen { rule, activity: 0, date: self.shared.clock.now(), fact });
+    }
+
+    /// Keeps what was broken outside tasks until control tells it.
+    pub(crate) fn seen_aside(&self, seen: Seen) {
         let rules = &self.shared.rules;
-        let seen = Seen { rule, activity: 0, date: self.shared.clock.now(), fact };
         rules.set_aside(rules.counted(seen));
         self.shared.wake_control();
+    }
+
+    /// Something happens outside tasks, now.
+    pub(crate) fn happens(&self, what: Happening, activity: u32) {
+        let rules = &self.shared.rules;
+        if rules.hears(what) {
+            let now = self.shared.clock.now();
+            rules.hear(what, activity, now, |seen| self.seen_aside(seen));
+        }
+    }
+
+    /// Something happened before the instance went on from another one, which told what it broke.
+    pub(crate) fn happened(&self, what: Happening) {
+        self.shared.rules.hear(what, 0, self.shared.clock.now(), |_| {});
     }
 
     /// Activities over their time, and ticks missed, at this date.
@@ -61,6 +82,27 @@ impl Engine {
             self.look_at_activity(control, at, now, after);
         }
         self.look_at_ticks(control, now, after);
+        self.look_at_beats(control, now, after);
+        for seen in rules.take_left() {
+            self.violated(control, rules.counted(seen), after);
+        }
+    }
+
+    /// Heartbeats that do not come in time.
+    fn look_at_beats(&self, control: &mut Control, now: u64, after: &mut Afterwards) {
+        let rules = &self.shared.rules;
+        if self.awaits_beats(control) {
+            for (rule, fact) in rules.late(now) {
+                let seen = rules.counted(Seen { rule, activity: 0, date: now, fact });
+                self.violated(control, seen, after);
+            }
+        }
+    }
+
+    /// Whether heartbeats are waited for: not before the start-up is over, nor once it is to stop,
+    /// nor while its tasks are held.
+    fn awaits_beats(&self, control: &Control) -> bool {
+        control.phase == Phase::Running && !self.shared.held.load(Ordering::Acquire)
     }
 
     /// Tells the rules that an activity breaks by not having ended at this date.
@@ -75,12 +117,16 @@ impl Engine {
         let entry = &mut control.entries[at];
         let answered = matches!(entry.stage, Stage::Cancelled | Stage::Gone);
         let Some(service) = entry.service.filter(|_| !answered) else { return };
-        let (activity, ns) = (entry.id, now.saturating_sub(entry.accepted));
+        let (activity, accepted, asked) = (entry.id, entry.accepted, entry.asked);
         let mut late = entry.late;
-        for (rank, limit) in rules.of_activity(service) {
+        for (rank, since, limit) in rules.of_activity(service, accepted, asked) {
+            let ns = now.saturating_sub(since);
             if ns >= limit && late & 1 << rank == 0 {
                 late |= 1 << rank;
-                let fact = Fact::Activity { service, ns };
+                let fact = match rules.all[rank].rule {
+                    Rule::Stop { .. } => Fact::Stop { service, ns },
+                    _ => Fact::Activity { service, ns },
+                };
                 let seen = rules.counted(Seen { rule: rank, activity, date: now, fact });
                 self.violated(control, seen, after);
             }
@@ -88,7 +134,7 @@ impl Engine {
         control.entries[at].late = late;
     }
 
-    /// When the next activity will be over its time.
+    /// When the next activity will be over its time, or the next heartbeat will be too late.
     pub(crate) fn next_late(&self, control: &Control) -> Option<u64> {
         let rules = &self.shared.rules;
         if rules.is_empty() {
@@ -96,11 +142,13 @@ impl Engine {
         }
         let of = |entry: &Entry| {
             let answered = matches!(entry.stage, Stage::Cancelled | Stage::Gone);
-            let limits = rules.of_activity(entry.service.filter(|_| !answered)?);
-            let left = limits.filter(|(rank, _)| entry.late & 1 << rank == 0);
-            left.map(|(_, limit)| entry.accepted.saturating_add(limit)).min()
+            let service = entry.service.filter(|_| !answered)?;
+            let limits = rules.of_activity(service, entry.accepted, entry.asked);
+            let left = limits.filter(|(rank, ..)| entry.late & 1 << rank == 0);
+            left.map(|(_, since, limit)| since.saturating_add(limit)).min()
         };
-        control.entries.iter().filter_map(of).min()
+        let beat = rules.next_beat().filter(|_| self.awaits_beats(control));
+        control.entries.iter().filter_map(of).chain(beat).min()
     }
 
     fn look_at_ticks(&self, control: &mut Control, now: u64, after: &mut Afterwards) {
@@ -138,6 +186,12 @@ impl Engine {
                     self.look_at_calls(rank, &limits, true, &mut seen)
                 }
                 Rule::Missed { task, .. } if !stepped => self.next_missed(rank, *task),
+                Rule::Cycle { task, longest } if !stepped => {
+                    self.look_at_cycle(rank, *task, nanos(*longest), &mut seen)
+                }
+                Rule::Beat { .. } if !stepped => rules
+                    .next_beat()
+                    .map_or(SELDOM, |due| due.saturating_sub(self.shared.clock.now())),
                 _ => continue,
             };
             next = Some(next.map_or(due, |next: u64| next.min(due)));
@@ -149,7 +203,9 @@ impl Engine {
                 self.violated(&mut control, rules.counted(seen), &mut after);
             }
             if !stepped {
-                self.look_at_ticks(&mut control, self.shared.clock.now(), &mut after);
+                let now = self.shared.clock.now();
+                self.look_at_ticks(&mut control, now, &mut after);
+                self.look_at_beats(&mut control, now, &mut after);
             }
         }
         self.finish_off(after);
@@ -188,6 +244,23 @@ impl Engine {
             }
         }
         next
+    }
+
+    /// A cycle that has lasted longer than its limit. Returns the time until it can, in nanoseconds.
+    fn look_at_cycle(&self, rule: usize, task: TaskIx, limit: u64, seen: &mut Vec<Seen>) -> u64 {
+        let (rules, now) = (&self.shared.rules, self.shared.clock.now());
+        let Some(lasting) = self.shared.tasks[task].figures.cycles.lasting(now) else {
+            return limit;
+        };
+        let ns = lasting.for_ns;
+        if ns <= limit {
+            return limit - ns + 1;
+        }
+        if !rules.starts_up(lasting.began) && rules.claim(task.index(), rule, lasting.began) {
+            let fact = Fact::Cycle { task, ns, over: false };
+            seen.push(Seen { rule, activity: 0, date: now, fact });
+        }
+        limit
     }
 
     /// Time until so many ticks can have been missed as the rule allows, in nanoseconds.

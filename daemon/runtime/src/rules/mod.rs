@@ -1,21 +1,29 @@
 //! Rules by which tasks, codels and activities are supervised: alive, deadline and logical
-//! supervision, in the words of AUTOSAR.
+//! supervision, in the words of AUTOSAR; heartbeats; and formulas.
 //!
-//! The thread that runs a codel compares its duration with one limit, and looks at one flag. What
-//! breaks a rule is counted and sent through a ring to control, which tells it. A codel that has
-//! not returned, and ticks that its task misses meanwhile, are seen by whoever calls
+//! The thread that runs a codel compares its duration with one limit, and looks at two flags. Where
+//! they are set it moves heartbeats, orders and formulas on, by index, without allocation and
+//! without waiting for others. What breaks a rule is counted and sent through a ring to control,
+//! which tells it. A codel that has not returned, a heartbeat that does not come, and ticks that a
+//! task misses meanwhile, are seen by whoever calls
 //! [`Instance::supervise`](crate::Instance::supervise).
 
 mod alive;
+mod beat;
 mod broken;
+mod hear;
 mod look;
 mod table;
+mod traced;
 
 use std::time::Duration;
 
-use genom_description::model::{CodelIx, Owner, ServiceIx, StateIx, TaskIx};
+use genom_description::model::{CodelIx, Owner, PortIx, ServiceIx, StateIx, TaskIx};
 
 pub(crate) use broken::{Fact, Seen};
+pub use genom_monitor::{
+    Bounds, Happening, Judge, MOST_PARTS, MOST_STEPS, NoOrder, NoProgram, Order, Part, Program,
+};
 pub(crate) use table::Rules;
 
 /// Limit on the rules of an instance.
@@ -76,6 +84,44 @@ pub enum Rule {
         /// The state that it yielded.
         to: StateIx,
     },
+    /// Deadline: a cycle of a task takes longer.
+    Cycle {
+        /// The task.
+        task: TaskIx,
+        /// The limit.
+        longest: Duration,
+    },
+    /// Deadline: an activity that was asked to stop takes longer to its end.
+    Stop {
+        /// Its service.
+        service: ServiceIx,
+        /// The limit.
+        longest: Duration,
+    },
+    /// Heartbeat: it comes sooner after the one before, or does not come for longer.
+    Beat {
+        /// What beats.
+        of: Beats,
+        /// The least time between two.
+        least: Duration,
+        /// The longest time without one: from the start of the instance, or of the activity, on.
+        longest: Duration,
+        /// Only while activities of this service run.
+        during: Option<ServiceIx>,
+    },
+    /// Logical: something happens that no step allows.
+    Order(Order),
+    /// It does not hold at something that it hears.
+    Formula(Program),
+}
+
+/// What beats.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Beats {
+    /// Calls of one of these codels.
+    Codels(Vec<CodelIx>),
+    /// Values that codels write on this port.
+    Port(PortIx),
 }
 
 /// A rule, and what the instance itself does about it.
@@ -103,4 +149,8 @@ pub struct Violation {
     pub date: u64,
     /// Number of the thread whose codel has not returned; `None` if it did, or if unknown.
     pub thread: Option<u32>,
+    /// What was measured, in nanoseconds, or the number of ticks missed.
+    pub value: Option<u64>,
+    /// What that was compared with.
+    pub bound: Option<u64>,
 }

@@ -3,14 +3,19 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 
-use genom_description::model::{CodelIx, CodelKind, Indexed, Owner, ServiceIx, StateIx, TaskIx};
+use genom_description::model::{
+    CodelIx, CodelKind, Indexed, Ix as _, Owner, ServiceIx, StateIx, TaskIx,
+};
 
 use super::alive::Window;
 use super::broken::{Fact, Seen};
+use super::hear::Hearing;
 use super::{Rule, Supervised};
+use crate::body::Body;
 use crate::clock::nanos;
 use crate::lock::{Guard, lock};
 use crate::plan::Plan;
+use genom_monitor::Happening;
 
 /// Most violations by requests that wait for control.
 const MOST_ASIDE: usize = 64;
@@ -24,6 +29,19 @@ pub(crate) struct Bound {
     pub(crate) wcet: u64,
     /// Whether it may be called is looked at before each call.
     pub(crate) ordered: bool,
+    /// Somebody hears of its calls.
+    pub(crate) called: bool,
+    /// Somebody hears of its returns, or of a port that it may write.
+    pub(crate) returns: bool,
+}
+
+/// What the cycles of one task are compared with.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CycleBound {
+    /// A cycle that takes longer, in nanoseconds, breaks a rule.
+    pub(crate) longest: u64,
+    /// Somebody hears of their beginnings.
+    pub(crate) heard: bool,
 }
 
 /// The rules of one instance.
@@ -47,6 +65,11 @@ pub(crate) struct Rules {
     alive: Indexed<TaskIx, bool>,
     /// Violations by requests, until control tells them.
     aside: Mutex<Vec<Seen>>,
+    cycles: Indexed<TaskIx, CycleBound>,
+    /// Date of the end of the start-up; [`u64::MAX`] before.
+    opened: AtomicU64,
+    /// Heartbeats, orders and formulas.
+    hearing: Hearing,
 }
 
 impl Rules {
@@ -66,10 +89,22 @@ impl Rules {
                 _ => false,
             })
         };
+        let hearing = Hearing::new(model, &all);
         let bound = |(ix, codel): (CodelIx, &genom_description::model::Codel)| {
             let wcet = codel.wcet.map_or(u64::MAX, nanos);
-            Bound { longest: longest(ix, wcet), wcet, ordered: ordered(ix) }
+            let called = hearing.hears(Happening::Call(ix));
+            let returns = hearing.hears(Happening::Return(ix)) || hearing.awaits_ports_of(ix);
+            Bound { longest: longest(ix, wcet), wcet, ordered: ordered(ix), called, returns }
         };
+        let cycle = |task: TaskIx| {
+            let limits = all.iter().filter_map(|one| match one.rule {
+                Rule::Cycle { task: own, longest } if own == task => Some(nanos(longest)),
+                _ => None,
+            });
+            let heard = hearing.hears(Happening::Cycle(task));
+            CycleBound { longest: limits.min().unwrap_or(u64::MAX), heard }
+        };
+        let cycles = model.tasks.places().map(cycle).collect();
         let bounds = model.codels.pairs().map(bound).collect();
         let machines = plan.machines();
         let steps = |owner: Owner| {
@@ -99,6 +134,9 @@ impl Rules {
             alive: alive.collect(),
             windows: Mutex::new(windows),
             aside: Mutex::default(),
+            cycles,
+            opened: AtomicU64::new(u64::MAX),
+            hearing,
             all,
         }
     }
@@ -111,6 +149,89 @@ impl Rules {
     #[inline]
     pub(crate) fn bound(&self, codel: CodelIx) -> Bound {
         self.bounds[codel]
+    }
+
+    /// What the cycles of this task are compared with.
+    #[inline]
+    pub(crate) fn cycle(&self, task: TaskIx) -> CycleBound {
+        self.cycles[task]
+    }
+
+    /// Whether a cycle that began at this date is one of the start-up.
+    pub(super) fn starts_up(&self, since: u64) -> bool {
+        since < self.opened.load(Ordering::Acquire)
+    }
+
+    /// Tells the rules that a cycle breaks which began at `since`.
+    #[cold]
+    pub(crate) fn cycled(
+        &self,
+        task: TaskIx,
+        (since, ns, over): (u64, u64, bool),
+        mut tell: impl FnMut(usize, Fact),
+    ) {
+        for (rank, one) in self.all.iter().enumerate() {
+            let Rule::Cycle { task: own, longest } = one.rule else { continue };
+            let late = own == task && ns > nanos(longest) && !self.starts_up(since);
+            if late && self.claim(task.index(), rank, since) {
+                tell(rank, Fact::Cycle { task, ns, over });
+            }
+        }
+    }
+
+    /// Whether anybody hears of this.
+    pub(crate) fn hears(&self, what: Happening) -> bool {
+        self.hearing.hears(what)
+    }
+
+    /// Something happens; tells what breaks rules.
+    pub(crate) fn hear(&self, what: Happening, activity: u32, date: u64, tell: impl FnMut(Seen)) {
+        self.hearing.hear(what, activity, date, tell);
+    }
+
+    /// A codel of an activity has returned: the ports that it wrote.
+    pub(crate) fn wrote(
+        &self,
+        body: &dyn Body,
+        codel: CodelIx,
+        activity: u32,
+        date: u64,
+        tell: impl FnMut(Seen),
+    ) {
+        self.hearing.wrote(body, codel, activity, date, tell);
+    }
+
+    /// What broke rules, of what threads left to others.
+    pub(super) fn take_left(&self) -> Vec<Seen> {
+        self.hearing.take_left()
+    }
+
+    /// What happened and was not heard, since too many threads were in the way.
+    pub(crate) fn unheard(&self) -> u64 {
+        self.hearing.lost()
+    }
+
+    /// From this date on heartbeats are waited for, and cycles are looked at that begin then.
+    pub(crate) fn await_beats(&self, now: u64) {
+        self.opened.store(now, Ordering::Release);
+        self.hearing.begin(now);
+    }
+
+    /// Heartbeats that are too late at this date.
+    pub(super) fn late(&self, now: u64) -> Vec<(usize, Fact)> {
+        self.hearing.late(now)
+    }
+
+    pub(super) fn next_beat(&self) -> Option<u64> {
+        self.hearing.due()
+    }
+
+    /// The service during whose activities a heartbeat is waited for.
+    pub(super) fn during(&self, rule: usize) -> Option<ServiceIx> {
+        match self.all.get(rule)?.rule {
+            Rule::Beat { during, .. } => during,
+            _ => None,
+        }
     }
 
     /// Whether control has to know when the task misses a tick.
@@ -260,11 +381,21 @@ impl Rules {
         }
     }
 
-    /// For each rule about activities of this service: its index and limit in nanoseconds.
-    pub(super) fn of_activity(&self, service: ServiceIx) -> impl Iterator<Item = (usize, u64)> {
+    /// For each rule about activities of this service that counts for one that was accepted and
+    /// perhaps asked to stop at these dates: its index, the date from which it counts, and the limit
+    /// in nanoseconds.
+    pub(super) fn of_activity(
+        &self,
+        service: ServiceIx,
+        accepted: u64,
+        asked: Option<u64>,
+    ) -> impl Iterator<Item = (usize, u64, u64)> {
         self.all.iter().enumerate().filter_map(move |(rank, one)| match one.rule {
             Rule::Activity { service: own, longest } if own == service => {
-                Some((rank, nanos(longest)))
+                Some((rank, accepted, nanos(longest)))
+            }
+            Rule::Stop { service: own, longest } if own == service => {
+                Some((rank, asked?, nanos(longest)))
             }
             _ => None,
         })

@@ -55,8 +55,8 @@ impl DrivenTask {
             return false;
         }
         if tick {
-            me.figures.cycles.begins(now);
-            me.figures.cycles.ends(now);
+            self.runner.cycle_begins(now);
+            self.runner.cycle_ends(now);
             me.figures.lateness.record(0);
         }
         self.last = self.runner.pass(tick, now);

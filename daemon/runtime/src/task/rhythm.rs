@@ -56,7 +56,6 @@ impl Rhythm {
     /// One pass at date `now`.
     #[inline]
     pub(crate) fn pass(&mut self, runner: &mut Runner, me: &TaskShared, now: u64) -> Next {
-        let cycles = &me.figures.cycles;
         match self {
             Self::Periodic { timing, next, tick, waits } => {
                 if std::mem::take(waits) {
@@ -64,7 +63,7 @@ impl Rhythm {
                     *next = serve(*timing, *next, now, 0, runner, me);
                 }
                 if *tick {
-                    cycles.begins(now);
+                    runner.cycle_begins(now);
                 }
                 let again = runner.pass(*tick, now).again;
                 *tick = !again;
@@ -72,7 +71,7 @@ impl Rhythm {
                 if again {
                     return Next::Now(end);
                 }
-                cycles.ends(end);
+                runner.cycle_ends(end);
                 if end >= *next {
                     // The tick is latched: one pass at once, missed ticks are not caught up with.
                     *next = serve(*timing, *next, end, 1, runner, me);
@@ -84,7 +83,7 @@ impl Rhythm {
             }
             Self::Aperiodic { last, at_work } => {
                 if !std::mem::replace(at_work, true) {
-                    cycles.begins(now);
+                    runner.cycle_begins(now);
                 }
                 let runnable = me.take_runnable() || last.moved;
                 *last = runner.pass(runnable, now);
@@ -93,7 +92,7 @@ impl Rhythm {
                     return Next::Now(end);
                 }
                 *at_work = false;
-                cycles.ends(end);
+                runner.cycle_ends(end);
                 Next::Called
             }
         }

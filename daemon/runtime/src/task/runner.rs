@@ -3,14 +3,14 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use genom_description::model::{CodelIx, Ix as _, StateIx, TaskIx};
+use genom_description::model::{CodelIx, Ix as _, Owner, ServiceIx, StateIx, TaskIx};
 use rtrb::Producer;
 
 use super::core::{Calls, Core, Passed};
 use super::gate::{Gate, Inside, TaskSide};
 use super::run::{Mode, Run, RunOutcome, Token};
 use crate::body::Returned;
-use crate::rules::{Fact, Seen};
+use crate::rules::{Fact, Happening, Seen};
 use crate::shared::{Notice, Shared};
 
 /// One task of an instance; driven by a thread, or by the thread that steps a virtual clock.
@@ -83,7 +83,8 @@ impl Runner {
         let passed = core.pass(&shared.plan, runnable, &self.fired, &mut calls);
         self.end = calls.now;
         if passed.moved {
-            hand_back(shared, task, core, outbox);
+            let end = calls.now;
+            hand_back((shared.as_ref(), task), end, core, (outbox, broken));
         }
         drop(inside);
         if passed.moved {
@@ -107,6 +108,36 @@ impl Runner {
     }
 }
 
+impl Runner {
+    /// A cycle begins at this date.
+    #[inline]
+    pub(crate) fn cycle_begins(&mut self, now: u64) {
+        let shared = &self.shared;
+        shared.tasks[self.task].figures.cycles.begins(now);
+        if shared.rules.cycle(self.task).heard {
+            let mut inside = self.gate.lock();
+            let (what, broken) = (Happening::Cycle(self.task), &mut inside.side.broken);
+            shared.rules.hear(what, 0, now, |seen| shared.violated(broken, seen));
+        }
+    }
+
+    /// The cycle ends at this date.
+    #[inline]
+    pub(crate) fn cycle_ends(&mut self, end: u64) {
+        let (shared, cycles) = (&self.shared, &self.shared.tasks[self.task].figures.cycles);
+        cycles.ends(end);
+        let (began, longest) = (cycles.last(), shared.rules.cycle(self.task).longest);
+        let ns = end.saturating_sub(began);
+        if ns > longest {
+            let mut inside = self.gate.lock();
+            let broken = &mut inside.side.broken;
+            shared.rules.cycled(self.task, (began, ns, true), |rule, fact| {
+                shared.violated(broken, Seen { rule, activity: 0, date: end, fact });
+            });
+        }
+    }
+}
+
 impl Drop for Runner {
     /// Releases memory and code of the component, as whoever waits for this thread expects.
     fn drop(&mut self) {
@@ -116,12 +147,30 @@ impl Drop for Runner {
     }
 }
 
-fn hand_back(shared: &Shared, task: TaskIx, core: &mut Core, outbox: &mut Producer<Box<Run>>) {
+/// The service whose activity a run is.
+fn service_of(shared: &Shared, run: &Run) -> Option<ServiceIx> {
+    match shared.plan.machines()[run.machine].owner {
+        Owner::Service(service) => Some(service),
+        Owner::Task(_) => None,
+    }
+}
+
+/// Gives control the runs that have ended, at this date.
+fn hand_back(
+    (shared, task): (&Shared, TaskIx),
+    end: u64,
+    core: &mut Core,
+    (outbox, broken): (&mut Producer<Box<Run>>, &mut Option<Producer<Seen>>),
+) {
     let mut any = false;
     core.take_ended(|mut run| {
         any = true;
         if run.outcome != Some(RunOutcome::Cancelled) {
             shared.rules.ends(run.machine);
+            if let Some(service) = service_of(shared, &run) {
+                let what = Happening::End(service);
+                shared.rules.hear(what, run.id, end, |seen| shared.violated(broken, seen));
+            }
         }
         let machine = &shared.plan.machines()[run.machine];
         if let (Some(RunOutcome::Success), Some(node)) =
@@ -155,6 +204,22 @@ impl Caller<'_> {
         let seen = Seen { rule, activity: run.id, date: self.now, fact };
         self.shared.violated(self.broken, seen);
     }
+
+    /// An activity does something that rules may hear of.
+    fn happens(&mut self, run: &Run, what: Happening) {
+        let Self { shared, now, broken, .. } = self;
+        shared.rules.hear(what, run.id, *now, |seen| shared.violated(broken, seen));
+    }
+
+    /// A codel has returned, which rules hear of, and may have written ports that they hear of.
+    /// What it excluded is still excluded, so that all hear this before what comes after it.
+    fn returned(&mut self, run: &Run, codel: CodelIx) {
+        let Self { shared, broken, .. } = self;
+        let (body, now) = (shared.body.as_ref(), shared.clock.now());
+        let mut tell = |seen| shared.violated(broken, seen);
+        shared.rules.wrote(body, codel, run.id, now, &mut tell);
+        shared.rules.hear(Happening::Return(codel), run.id, now, tell);
+    }
 }
 
 impl Calls for Caller<'_> {
@@ -166,11 +231,18 @@ impl Calls for Caller<'_> {
             self.now = shared.clock.now();
         }
         shared.calls(codel, |rule, fact| self.violated(run, rule, fact));
+        let bound = shared.rules.bound(codel);
+        if bound.called {
+            self.happens(run, Happening::Call(codel));
+        }
         let context = self.task.index();
         let (at_work, since) = (&shared.at_work[context], shared.clock.real(self.now));
         at_work.begins(codel, run.id, since);
         let returned = run.frame.call(codel, context);
         at_work.ends();
+        if bound.returns {
+            self.returned(run, codel);
+        }
         drop(permit);
         let end = shared.clock.now();
         let ns = end.saturating_sub(self.now);
@@ -182,6 +254,9 @@ impl Calls for Caller<'_> {
 
     fn begins(&mut self, run: &Run) {
         self.shared.rules.begins(run.machine);
+        if let Some(service) = service_of(self.shared, run) {
+            self.happens(run, Happening::Start(service));
+        }
     }
 
     #[inline]

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, channel};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
 use genom_description::model::{CodelIx, Indexed, Ix as _, Owner, PortIx, RemoteIx, ServiceIx};
@@ -32,6 +32,8 @@ pub(crate) struct Closures {
     /// The closure of each codel of the model.
     codels: Indexed<CodelIx, Option<Codel>>,
     events: Vec<(&'static str, EventId)>,
+    /// Number of values that codels wrote on any port, if they count them.
+    pub(crate) written: OnceLock<Arc<AtomicU64>>,
     /// Number of writes to the state port.
     pub(crate) states: AtomicU64,
 }
@@ -50,7 +52,8 @@ impl Closures {
             .iter()
             .filter_map(|name| plan.event(&format!("{scope}::{name}")).map(|event| (*name, event)));
         let events = events.collect();
-        Arc::new(Self { plan, codels, events, states: AtomicU64::new(0) })
+        let (written, states) = (OnceLock::new(), AtomicU64::new(0));
+        Arc::new(Self { plan, codels, events, written, states })
     }
 
     pub(crate) fn start(self: &Arc<Self>) -> Instance {
@@ -140,6 +143,10 @@ impl Body for Closures {
 
     fn port_value(&self, _: PortIx, _: Option<&str>) -> Option<Value> {
         None
+    }
+
+    fn written(&self, _: PortIx) -> u64 {
+        self.written.get().map_or(0, |written| written.load(Ordering::SeqCst))
     }
 
     fn write_port(&self, _: PortIx, _: &Record) {

@@ -1,13 +1,14 @@
 //! What is done when a component breaks a rule of its supervision.
 
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use genom_configuration::{OwnResponse, Reaction, SupervisionEntry};
-use genom_protocol::{Kind, Rule};
+use genom_protocol::{Broken, Kind, Rule};
 use genom_runtime::Violation;
 
 use crate::reactor::{Asked, Reactions};
+use crate::withheld::Withheld;
 use genom_bus::{Bus, Change};
 
 /// Time between two violations of a rule that are told and acted upon, in nanoseconds of the
@@ -19,6 +20,7 @@ pub struct Guard {
     component: String,
     bus: Arc<Bus>,
     reactions: Arc<Reactions>,
+    withheld: Arc<Withheld>,
     rules: Vec<Ruled>,
 }
 
@@ -31,6 +33,8 @@ struct Ruled {
     responses: Vec<String>,
     /// When a violation was told last.
     told: Mutex<Option<u64>>,
+    /// The last violation, whether it was told or not.
+    last: Mutex<Option<Broken>>,
 }
 
 impl Guard {
@@ -38,7 +42,7 @@ impl Guard {
     pub(crate) fn new(
         component: &str,
         bus: &Arc<Bus>,
-        reactions: &Arc<Reactions>,
+        (reactions, withheld): (&Arc<Reactions>, &Arc<Withheld>),
         rules: &[SupervisionEntry],
     ) -> Self {
         let ruled = |entry: &SupervisionEntry| {
@@ -49,12 +53,14 @@ impl Guard {
                 responses: entry.responses().iter().map(ToString::to_string).collect(),
                 entry: entry.clone(),
                 told: Mutex::default(),
+                last: Mutex::default(),
             })
         };
         Self {
             component: component.to_owned(),
             bus: Arc::clone(bus),
             reactions: Arc::clone(reactions),
+            withheld: Arc::clone(withheld),
             rules: rules.iter().filter_map(ruled).collect(),
         }
     }
@@ -71,6 +77,7 @@ impl Guard {
             kind: ruled.kind,
             reactions: ruled.responses.clone(),
             violations,
+            last: ruled.last.lock().unwrap_or_else(PoisonError::into_inner).clone(),
         });
         rules.collect()
     }
@@ -80,6 +87,7 @@ impl Guard {
     pub(crate) fn violated(&self, violation: &Violation) {
         let seen = Instant::now();
         let Some(rule) = self.rules.get(violation.rule) else { return };
+        rule.keep(violation);
         if !rule.is_due(violation.date) {
             return;
         }
@@ -112,7 +120,15 @@ impl Guard {
         if rule.entry.responses().iter().any(|one| !one.is(OwnResponse::Log)) {
             self.bus.tell(&told);
         }
-        let reactions: Vec<Reaction> = rule.entry.others().cloned().collect();
+        if rule.entry.does(OwnResponse::Withhold) {
+            let why = format!("{} supervision of {}: {what}", kind.name(), self.component);
+            self.withheld.withhold(&self.component, why);
+        }
+        let mut reactions: Vec<Reaction> = rule.entry.others().cloned().collect();
+        if rule.entry.does(OwnResponse::Kill) {
+            let call = Some(format!("{}/kill", self.component));
+            reactions.push(Reaction { call, ..Reaction::default() });
+        }
         if !reactions.is_empty()
             && let Some(reactor) = reactor()
         {
@@ -122,6 +138,18 @@ impl Guard {
 }
 
 impl Ruled {
+    fn keep(&self, violation: &Violation) {
+        let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let last = Broken {
+            what: violation.what.clone(),
+            unix_ms: u64::try_from(since.as_millis()).unwrap_or(u64::MAX),
+            activity: violation.activity.map(u64::from),
+            value: violation.value,
+            bound: violation.bound,
+        };
+        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(last);
+    }
+
     /// Whether a violation at this date is told.
     fn is_due(&self, date: u64) -> bool {
         let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);

@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use super::locate::LocateError;
-use super::supervision::NoSuchRule;
 use crate::components::Unfit;
 use crate::connections::BindError;
 use crate::known::ReadError;
 use genom_configuration::NoPeriod;
 use genom_registry::BackendError;
+use genom_rules::NoSuchRule;
 
 /// Why a component could not be loaded. Everything done for it was undone.
 #[derive(Debug, thiserror::Error)]

@@ -9,7 +9,6 @@ mod reactions;
 mod source;
 mod standard;
 mod start;
-mod supervision;
 mod undefined;
 mod warnings;
 
@@ -32,9 +31,9 @@ use crate::supervisor::Supervisor;
 pub use built::text as date_in_utc;
 pub use error::LoadError;
 use genom_bus::Change;
+pub use genom_rules::NoSuchRule;
 pub use reactions::{IdleReaction, check_reactions};
 pub(crate) use source::{Source, texts_beside};
-pub use supervision::NoSuchRule;
 
 impl Supervisor {
     /// Loads a component, starts it and sets its attributes. Blocks for file access and start
@@ -261,7 +260,7 @@ pub(crate) fn check_names(
     for task in request.tasks.keys() {
         check("task", task, model.tasks.iter().map(|task| task.name.as_str()).collect())?;
     }
-    supervision::rules(request, model).map_err(|why| LoadError::Supervision {
+    genom_rules::rules(request, model).map_err(|why| LoadError::Supervision {
         name: instance.to_owned(),
         source: Box::new(why),
     })?;

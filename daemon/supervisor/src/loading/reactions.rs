@@ -5,9 +5,9 @@
 use genom_configuration::{Act, Deed, Deployment, LoadRequest, Reaction, Spot, SupervisionEntry};
 use genom_description::model::{Component as Model, ServiceKind};
 use genom_nearest::suggest;
+use genom_rules::{NoSuchRule, rules};
 
 use super::locate::locate;
-use super::supervision::{NoSuchRule, rules};
 use crate::known::Reading;
 use crate::settings::Settings;
 
@@ -56,8 +56,11 @@ pub fn check_reactions(
                 .map_err(|why| (place(), Box::new(why)))?;
         }
         if !request.supervision.is_empty() {
-            check_rules(settings, request)
-                .map_err(|why| (place(), Box::new(IdleReaction::Rule(why))))?;
+            check_rules(settings, request).map_err(|why| {
+                let place = Spot::component(request);
+                let place = place.key(["supervision".to_owned(), why.at().to_string()]);
+                (place, Box::new(IdleReaction::Rule(why)))
+            })?;
         }
     }
     Ok(())

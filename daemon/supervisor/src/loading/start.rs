@@ -10,7 +10,6 @@ use genom_runtime::plan::Plan;
 use super::built;
 use super::error::LoadError;
 use super::standard::StandardServices;
-use super::supervision;
 use crate::components::{Build, Guard, Hosted, Starting, prepare};
 use crate::supervisor::Supervisor;
 use crate::ties::{Bindings, Ties};
@@ -64,10 +63,11 @@ pub(super) fn start(
         let refused = |source| LoadError::Override { name: name.clone(), source };
         options.tasks.insert(task.clone(), terms::task_options(entry).map_err(refused)?);
     }
-    options.rules = supervision::rules(&request, plan.component())
+    options.rules = genom_rules::rules(&request, plan.component())
         .map_err(|why| LoadError::Supervision { name: name.clone(), source: Box::new(why) })?;
     let (bus, reactions) = (&supervisor.bus, &supervisor.reactions);
-    let guard = Guard::new(&name, bus, reactions, &request.supervision);
+    let done = (reactions, &supervisor.withheld);
+    let guard = Guard::new(&name, bus, done, &request.supervision);
     let starting = Starting {
         name: name.clone(),
         build,

@@ -8,6 +8,7 @@ mod ended;
 mod joined;
 mod life;
 mod limits;
+mod monitors;
 mod refused;
 mod safe_state;
 mod supervised;

@@ -206,7 +206,7 @@ fn rules_that_fit_no_component_are_refused_with_what_was_meant_before_anything_r
     // Over the control plane.
     let daemon = Daemon::start(&[]);
     let library = component("dawdles").library;
-    let load = json!({"library": library, "supervision": {"task": "steady", "longest_ms": 3}});
+    let load = json!({"library": library, "supervision": {"task": "steady", "longest_stop_ms": 3}});
     let refused = request(&daemon.home().socket(), "POST", "/components", &load.to_string());
     assert_eq!((refused.status, refused.code()), (422, "bad_input"), "{refused:?}");
     let load = json!({"library": library, "supervision": {"task": "stedy", "missed": 3}});

@@ -22,6 +22,7 @@ transcripts! {
     "cells": components_run_in_processes_of_their_own,
     "choice": what_fits_is_offered_and_values_are_shown_as_wanted,
     "completion": live_names_are_completed,
+    "monitor": rules_of_supervision_are_shown_and_verified,
     "manual": manual_pages_are_made_from_the_definitions_of_the_help,
     "dead": every_verb_says_how_to_start_a_daemon,
     "deploy": a_deployment_file_is_applied_and_dumped,

@@ -71,6 +71,8 @@ const LOOKED_UP: &[(&str, &str)] = &[
     ("agreement.rs", "lines of a manifest"),
     ("doctor/live.rs", "options of a middleware, which are a map in the protocol, too"),
     ("verbs/fmt.rs", "what it prints itself"),
+    ("verbs/verify/mod.rs", "what it prints itself"),
+    ("verbs/verify/ruled.rs", "a configuration file"),
 ];
 
 #[test]

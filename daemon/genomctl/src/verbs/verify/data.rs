@@ -60,7 +60,7 @@ fn task(task: &TaskReport, sources: &SourceMap) -> Value {
     })
 }
 
-fn line(line: &Line, sources: &SourceMap) -> Value {
+pub(super) fn line(line: &Line, sources: &SourceMap) -> Value {
     json!({ "who": line.who, "what": line.what, "where": place(line.span, sources) })
 }
 

@@ -6,6 +6,7 @@ mod described;
 mod given;
 mod loaded;
 mod measured;
+mod ruled;
 mod trace;
 
 use std::path::PathBuf;
@@ -28,6 +29,10 @@ use crate::session::Session;
 Properties: start, stuck, reach, loop, stop, order and exclude need no times; overrun takes the wcet \
 of the description, or --wcet. docs/verify.md says what each means, and what is assumed.
 
+With --config, rules of supervision are told as `cannot fire` (no run breaks it), `can fire` (with a \
+shortest run), `always fires` (its bound or order is wrong) or `not decided`. They do not change the \
+exit status.
+
 Exit status: 0 all hold; 1 one is violated; 4 none is violated, but one is not decided.")]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -43,6 +48,10 @@ pub(crate) struct Args {
     /// Activities of one service that there are at the same time.
     #[arg(long, value_name = "N", default_value_t = 2)]
     instances: usize,
+    /// Also say of each rule that this configuration or deployment file has for the component
+    /// ([[component.supervision]]) whether it can be broken.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
     #[command(flatten)]
     limits: given::Most,
     /// Write runs in which tasks are late into a file, by its ending: .mcap, a recording of the first
@@ -50,6 +59,18 @@ pub(crate) struct Args {
     /// library. May be repeated.
     #[arg(long, value_name = "FILE", value_parser = trace::file)]
     trace: Vec<PathBuf>,
+}
+
+impl Args {
+    /// What clients may do of a component.
+    fn bounds(&self, subject: &Subject) -> Bounds {
+        let (requests, instances) = (self.requests, self.instances);
+        let mut bounds = Bounds { requests, instances, ..Bounds::default() };
+        if let Some(running) = &subject.running {
+            bounds.slots = running.max_activities;
+        }
+        bounds
+    }
 }
 
 /// What was found of one component.
@@ -64,12 +85,24 @@ struct Told {
 pub(super) async fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let subjects = args.described.subjects(args.given.measured(), session).await?;
     args.given.check_names(&subjects)?;
+    // Mistakes in the file come before anything is explored.
+    let read = |file: &PathBuf| ruled::Ruled::read(file, &subjects);
+    let ruled = args.config.as_ref().map(read).transpose()?;
     let all: Vec<Told> = subjects.into_iter().map(|subject| check(args, subject)).collect();
+    let judged = ruled.as_ref().map(|ruled| ruled.judge(args, &all)).unwrap_or_default();
     if session.json {
-        let all: Vec<_> = all.iter().map(json).collect();
+        let all = all.iter().map(|told| {
+            let mut data = json(told);
+            if ruled.is_some() {
+                data["rules"] = ruled::data(&judged, &told.subject);
+            }
+            data
+        });
+        let all: Vec<_> = all.collect();
         session.print(&format!("{}\n", serde_json::json!({ "components": all })))?;
     } else {
-        let all: Vec<_> = all.iter().map(people).collect();
+        let all = all.iter().map(|told| people(told) + &ruled::text(&judged, &told.subject));
+        let all: Vec<_> = all.collect();
         session.print(&all.join("\n"))?;
     }
     trace::write(&args.trace, &all, session)?;
@@ -80,11 +113,7 @@ fn check(args: &Args, subject: Subject) -> Told {
     let all = args.property.is_empty();
     let asked = |property: &Property| all || args.property.contains(&Checked::Untimed(*property));
     let properties: Vec<Property> = Property::ALL.into_iter().filter(asked).collect();
-    let (requests, instances) = (args.requests, args.instances);
-    let mut bounds = Bounds { requests, instances, ..Bounds::default() };
-    if let Some(running) = &subject.running {
-        bounds.slots = running.max_activities;
-    }
+    let bounds = args.bounds(&subject);
     let system = System::new(&subject.plan, bounds);
     let limits = args.limits.limits();
     let report = system.check(&properties, &limits);

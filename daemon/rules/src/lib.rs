@@ -1,37 +1,36 @@
 //! The rules that a component is supervised by: names become indices, before anything runs.
 
+#![forbid(unsafe_code)]
+
+mod beat;
+mod error;
+mod formula;
+mod happening;
+mod order;
+
 use std::time::Duration;
 
-use genom_configuration::{Condition, LoadRequest, OwnResponse, SupervisionEntry, Whose};
 use genom_description::model::{
     Codel, CodelIx, CodelKind, Component as Model, Owner, ServiceIx, ServiceKind, StateIx, TaskIx,
 };
 use genom_nearest::suggest;
-use genom_runtime::{Rule, Supervised};
+use genom_protocol::{Condition, LoadRequest, OwnResponse, SupervisionEntry, Whose};
+use genom_runtime::{Beats, Rule, Supervised};
 
-/// Why a rule does not fit its component.
-#[derive(Debug, thiserror::Error)]
-#[allow(missing_docs, reason = "the messages say what the fields are")]
-pub enum NoSuchRule {
-    /// A name.
-    #[error("{rule}: {component} has no {what} `{typed}`; {help}")]
-    NoSuch { rule: String, component: String, what: &'static str, typed: String, help: String },
-    /// What is asked makes no sense here.
-    #[error("{rule}: {why}")]
-    Idle { rule: String, why: String },
-}
+pub use error::NoSuchRule;
 
 /// The rules of a request.
 ///
 /// # Errors
 /// The first that does not fit.
-pub(crate) fn rules(request: &LoadRequest, model: &Model) -> Result<Vec<Supervised>, NoSuchRule> {
-    let compiled = request.supervision.iter().map(|entry| {
+pub fn rules(request: &LoadRequest, model: &Model) -> Result<Vec<Supervised>, NoSuchRule> {
+    let compiled = request.supervision.iter().enumerate().map(|(at, entry)| {
         let condition = entry.condition().map_err(|error| NoSuchRule::Idle {
+            at,
             rule: "supervision".to_owned(),
             why: error.to_string(),
         })?;
-        let compiler = Compiler { model, text: condition.to_string() };
+        let compiler = Compiler { model, at, text: condition.to_string() };
         let rule = compiler.rule(condition)?;
         compiler.check_reactions(&rule, entry, request)?;
         Ok(Supervised { rule, interrupts: entry.does(OwnResponse::Interrupt) })
@@ -41,6 +40,8 @@ pub(crate) fn rules(request: &LoadRequest, model: &Model) -> Result<Vec<Supervis
 
 struct Compiler<'a> {
     model: &'a Model,
+    /// Its place in the list.
+    at: usize,
     /// The rule in words.
     text: String,
 }
@@ -83,6 +84,19 @@ impl Compiler<'_> {
                 Rule::During { codels, service }
             }
             Condition::Step { of, from, to } => self.step(&of, &from, &to)?,
+            Condition::Cycle { task, longest } => Rule::Cycle { task: self.task(&task)?, longest },
+            Condition::Stop { activity, longest } => {
+                Rule::Stop { service: self.activity(&activity)?, longest }
+            }
+            Condition::Beat { of, least, longest, during } => {
+                self.beat(&of, (least, longest), during.as_deref())?
+            }
+            Condition::ServiceAfter { service, first } => self.service_after(service, first)?,
+            Condition::ServiceNeverWhile { service, other } => {
+                self.service_never_while(service, other)?
+            }
+            Condition::Order(order) => self.order(&order)?,
+            Condition::Formula(formula) => self.formula(&formula)?,
         })
     }
 
@@ -167,8 +181,17 @@ impl Compiler<'_> {
             Rule::Stuck { codels } | Rule::After { codels, .. } | Rule::During { codels, .. } => {
                 codels.iter().any(of_service)
             }
-            Rule::Activity { .. } => true,
+            Rule::Activity { .. } | Rule::Stop { .. } => true,
             Rule::Step { owner, .. } => matches!(owner, Owner::Service(_)),
+            Rule::Cycle { task, .. } => {
+                self.model.services.iter().any(|service| service.task == Some(*task))
+            }
+            Rule::Beat { of: Beats::Codels(codels), during, .. } => {
+                during.is_some() || codels.iter().any(of_service)
+            }
+            Rule::Beat { of: Beats::Port(_), .. } => true,
+            Rule::Order(order) => order.hears().iter().any(|(what, _)| self.of_activity(*what)),
+            Rule::Formula(program) => program.hears().iter().any(|what| self.of_activity(*what)),
         }
     }
 
@@ -184,6 +207,12 @@ impl Compiler<'_> {
         let found = services.find(|service| service.name == name && is(service.kind));
         let all = services.iter().filter(|service| is(service.kind));
         self.found(found, "activity", name, all.map(|service| service.name.as_str()))
+    }
+
+    fn service(&self, name: &str) -> Result<ServiceIx, NoSuchRule> {
+        let services = &self.model.services;
+        let found = services.find(|service| service.name == name);
+        self.found(found, "service", name, services.iter().map(|one| one.name.as_str()))
     }
 
     fn state(&self, name: &str) -> Result<StateIx, NoSuchRule> {
@@ -211,6 +240,7 @@ impl Compiler<'_> {
         known: impl IntoIterator<Item = &'a str>,
     ) -> Result<T, NoSuchRule> {
         found.ok_or_else(|| NoSuchRule::NoSuch {
+            at: self.at,
             rule: self.text.clone(),
             component: self.model.name.clone(),
             what,
@@ -220,6 +250,6 @@ impl Compiler<'_> {
     }
 
     fn idle<T>(&self, why: String) -> Result<T, NoSuchRule> {
-        Err(NoSuchRule::Idle { rule: self.text.clone(), why })
+        Err(NoSuchRule::Idle { at: self.at, rule: self.text.clone(), why })
     }
 }

@@ -1,0 +1,75 @@
+//! Whether rules of supervision can be broken at all, and by which run.
+//!
+//! What a rule hears is read off the steps of the system; the state of an order or formula goes along
+//! with that of the system. What a task does from the return of a codel to its next call is one step:
+//! nothing of others comes between.
+
+mod deadline;
+mod fires;
+mod heard;
+mod search;
+mod step;
+
+use genom_runtime::{Happening, Part, Program, Rule};
+
+pub use self::fires::Fires;
+use self::fires::undecided;
+use crate::explore::Limits;
+use crate::system::System;
+use crate::timed::Times;
+
+impl System {
+    /// Whether a rule can be broken. `times` are those of codels, or why they are not known.
+    #[must_use]
+    pub fn fires(&self, rule: &Rule, times: Result<&Times, &str>, limits: &Limits) -> Fires {
+        match rule {
+            Rule::Order(order) => self.search(&search::Watched::Order(order), limits),
+            Rule::Formula(program) => self.formula(program, limits),
+            Rule::After { codels, first } => {
+                let returned = first.iter().map(|ix| Happening::Return(*ix)).collect();
+                self.called(
+                    codels,
+                    limits,
+                    vec![
+                        Part::Happens(returned),
+                        Part::Once(genom_runtime::Bounds { least: 0, most: u64::MAX }, 1),
+                        Part::Implies(0, 2),
+                    ],
+                )
+            }
+            Rule::During { codels, service } => self.called(
+                codels,
+                limits,
+                vec![Part::Runs(*service), Part::Not(1), Part::Implies(0, 2)],
+            ),
+            Rule::Step { owner, from, to } => self.takes_step(*owner, (*from, *to), limits),
+            Rule::Longest { codels } => self.longest(codels, times, limits),
+            Rule::Cycle { task, longest } => self.cycle(*task, *longest, times, limits),
+            Rule::Missed { task, ticks, .. } => self.missed(*task, *ticks, times, limits),
+            Rule::Stuck { .. } => {
+                undecided("a codel that does not return is none that the model knows of")
+            }
+            Rule::Activity { .. } | Rule::Stop { .. } => {
+                undecided("times of activities are not explored")
+            }
+            Rule::Beat { .. } => undecided("times between calls and values are not explored"),
+        }
+    }
+
+    /// A formula about the calls of these codels, which are its first part.
+    fn called(&self, codels: &[genom_runtime::CodelIx], limits: &Limits, more: Vec<Part>) -> Fires {
+        let calls = codels.iter().map(|ix| Happening::Call(*ix)).collect();
+        let parts = [Part::Happens(calls)].into_iter().chain(more);
+        match Program::new(parts.map(|part| (part, String::new())).collect()) {
+            Ok(program) => self.formula(&program, limits),
+            Err(why) => Fires::Undecided(why.to_string()),
+        }
+    }
+
+    fn formula(&self, program: &Program, limits: &Limits) -> Fires {
+        if program.has_bounds() {
+            return undecided("its bounds ask for dates, which are not explored");
+        }
+        self.search(&search::Watched::Formula(program), limits)
+    }
+}

@@ -1,0 +1,242 @@
+//! Looks for a shortest run that breaks an order or a formula.
+
+use std::time::Instant;
+
+use genom_runtime::{Happening, Judge, Order, Program};
+use indexmap::IndexSet;
+
+use super::fires::{Fires, undecided};
+use crate::action::Action;
+use crate::explore::{Limit, Limits};
+use crate::pack::{packed, unpacked};
+use crate::state::State;
+use crate::system::System;
+use crate::words::Line;
+
+/// Bytes that the tables take for each node.
+const TABLES: usize = 56;
+/// Limit on ports that one codel may write and that a rule hears of: each is written or not.
+const MOST_PORTS: u32 = 8;
+
+/// What goes along with the system.
+pub(super) enum Watched<'a> {
+    Order(&'a Order),
+    Formula(&'a Program),
+}
+
+/// Where that is.
+#[derive(Clone)]
+enum Place {
+    Order(u8),
+    Formula(Judge),
+}
+
+impl Watched<'_> {
+    fn first(&self) -> Place {
+        match self {
+            Self::Order(_) => Place::Order(0),
+            Self::Formula(program) => Place::Formula(Judge::new(program)),
+        }
+    }
+
+    /// The number of what it hears.
+    fn letter(&self, heard: &[(Happening, usize)], what: Happening) -> Option<usize> {
+        heard.iter().find(|(own, _)| *own == what).map(|(_, letter)| *letter)
+    }
+
+    fn hears(&self) -> Vec<(Happening, usize)> {
+        match self {
+            Self::Order(order) => order.hears(),
+            Self::Formula(program) => {
+                program.hears().into_iter().enumerate().map(|(at, what)| (what, at)).collect()
+            }
+        }
+    }
+}
+
+/// A node: a state, and a place by number.
+struct Nodes {
+    all: IndexSet<Box<[u8]>>,
+    /// The node before each, and the number of the step between them.
+    before: Vec<(u32, u16)>,
+    places: Vec<Place>,
+    /// Their keys, in the same order.
+    known: IndexSet<Vec<u8>>,
+}
+
+impl Nodes {
+    fn number(&mut self, place: Place) -> u32 {
+        let (at, is_new) = self.known.insert_full(key(&place));
+        if is_new {
+            self.places.push(place);
+        }
+        u32::try_from(at).unwrap_or(u32::MAX)
+    }
+
+    /// Adds a node; returns the bytes that it takes.
+    fn add(&mut self, state: &[u8], place: Place, before: (u32, u16)) -> usize {
+        let number = self.number(place).to_le_bytes();
+        let node: Box<[u8]> = number.iter().chain(state).copied().collect();
+        let length = node.len();
+        if !self.all.insert(node) {
+            return 0;
+        }
+        self.before.push(before);
+        length + TABLES
+    }
+
+    fn get(&self, at: usize) -> Option<(State, Place)> {
+        let (number, state) = self.all.get_index(at)?.split_at_checked(4)?;
+        let number = u32::from_le_bytes(number.try_into().ok()?);
+        Some((unpacked(state), self.places.get(number as usize)?.clone()))
+    }
+}
+
+fn key(place: &Place) -> Vec<u8> {
+    match place {
+        Place::Order(state) => vec![*state],
+        Place::Formula(judge) => {
+            let (before, any, running) = judge.place();
+            let mut key = before.to_le_bytes().to_vec();
+            key.extend(any.iter().map(|any| u8::from(*any)));
+            running.iter().for_each(|running| key.extend(running.to_le_bytes()));
+            key
+        }
+    }
+}
+
+impl System {
+    /// A shortest run that breaks it. Nothing is told of dates.
+    pub(super) fn search(&self, watched: &Watched<'_>, limits: &Limits) -> Fires {
+        let heard = watched.hears();
+        if let Some((what, _)) = heard.iter().find(|(what, _)| !self.is_heard(*what)) {
+            let what = what.tell(self.plan.component());
+            return Fires::Undecided(format!("it is not explored when \"{what}\""));
+        }
+        let begin = Instant::now();
+        let mut nodes = Nodes {
+            all: IndexSet::new(),
+            before: Vec::new(),
+            places: Vec::new(),
+            known: IndexSet::new(),
+        };
+        let mut bytes = nodes.add(&packed(&self.initial(false)), watched.first(), (0, 0));
+        // The first violation, and whether anything that it hears did not break it.
+        let (mut broken, mut kept) = (None, false);
+        let (mut at, mut told) = (0, Vec::new());
+        let mut limit: Option<Limit> = None;
+        while let Some((state, place)) = nodes.get(at) {
+            let number = u32::try_from(at).unwrap_or(u32::MAX);
+            at += 1;
+            for (action, step) in self.enabled(&state).iter().zip(0u16..) {
+                told.clear();
+                let next = self.after(&state, *action, &mut told);
+                let happens = self.heard(&state, *action, &next, &told);
+                let all = match self.walks(watched, &heard, &place, &happens) {
+                    Some(all) => all,
+                    None => return undecided("a codel writes too many ports that it hears of"),
+                };
+                let bits = packed(&next);
+                for walked in all {
+                    kept |= walked.kept;
+                    if let Some(what) = walked.broken {
+                        broken.get_or_insert((number, *action, what));
+                    }
+                    bytes += nodes.add(&bits, walked.place, (number, step));
+                }
+            }
+            if broken.is_some() && kept {
+                break;
+            }
+            limit = limits.passed(nodes.all.len(), bytes, at, begin);
+            if limit.is_some() {
+                break;
+            }
+        }
+        match (broken, kept, limit) {
+            (Some((node, action, what)), kept, limit) => {
+                let run = self.lines_to(&nodes, node, action);
+                match kept || limit.is_some() {
+                    true => Fires::Can { what, run },
+                    false => Fires::Always { what, run },
+                }
+            }
+            (None, _, Some(limit)) => {
+                Fires::Undecided(format!("{limit}: raise the limits, or lower the bounds"))
+            }
+            (None, ..) => Fires::Never,
+        }
+    }
+
+    /// Where it goes by what happens in a step: a way for each choice of ports that are written.
+    fn walks(
+        &self,
+        watched: &Watched<'_>,
+        heard: &[(Happening, usize)],
+        place: &Place,
+        happens: &[(Happening, bool)],
+    ) -> Option<Vec<Walked>> {
+        let letter = |what: &Happening| watched.letter(heard, *what);
+        let matter: Vec<(Happening, bool, usize)> =
+            happens.iter().filter_map(|(what, open)| Some((*what, *open, letter(what)?))).collect();
+        let open = u32::try_from(matter.iter().filter(|(_, open, _)| *open).count()).ok()?;
+        if open > MOST_PORTS {
+            return None;
+        }
+        let walk = |choice: u32| {
+            let (mut place, mut kept, mut broken) = (place.clone(), false, None);
+            let mut left = choice;
+            for (what, open, letter) in &matter {
+                if *open {
+                    let taken = left & 1 == 1;
+                    left >>= 1;
+                    if !taken {
+                        continue;
+                    }
+                }
+                let wrong = match (watched, &mut place) {
+                    (Watched::Order(order), Place::Order(state)) => {
+                        let next = order.next(*state, *letter);
+                        next.inspect(|next| *state = *next).is_none()
+                    }
+                    (Watched::Formula(_), Place::Formula(judge)) => {
+                        judge.hear(*letter, 0).is_some()
+                    }
+                    _ => false,
+                };
+                kept |= !wrong;
+                if wrong {
+                    broken.get_or_insert_with(|| what.tell(self.plan.component()));
+                }
+            }
+            Walked { place, kept, broken }
+        };
+        Some((0..1 << open).map(walk).collect())
+    }
+
+    /// The run to a node, and one step more.
+    fn lines_to(&self, nodes: &Nodes, node: u32, last: Action) -> Vec<Line> {
+        let mut taken = Vec::new();
+        if let Some((state, _)) = nodes.get(node as usize) {
+            taken.push((state, last));
+        }
+        let mut at = node;
+        while at > 0 {
+            let Some(&(before, step)) = nodes.before.get(at as usize) else { break };
+            let Some((state, _)) = nodes.get(before as usize) else { break };
+            let Some(action) = self.enabled(&state).get(usize::from(step)).copied() else { break };
+            taken.push((state, action));
+            at = before;
+        }
+        taken.iter().rev().filter_map(|(state, action)| self.words(state, *action)).collect()
+    }
+}
+
+/// Where a step led.
+struct Walked {
+    place: Place,
+    /// Something was heard that did not break it.
+    kept: bool,
+    /// What broke it.
+    broken: Option<String>,
+}

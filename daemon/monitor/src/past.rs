@@ -1,0 +1,147 @@
+//! When something held that a formula asks for: no more dates than its bounds need.
+
+/// Limit on the dates that are kept for one part of a formula.
+const MOST_DATES: u64 = 64;
+
+/// How long ago, in nanoseconds: both included; `most` is `u64::MAX` for any time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bounds {
+    /// The least time.
+    pub least: u64,
+    /// The greatest time.
+    pub most: u64,
+}
+
+impl Bounds {
+    /// Dates to be kept. If of three dates the first and the last are no farther from each other
+    /// than the two bounds, an interval with the second one has another one, too, so that the
+    /// second need not be kept: at most two are within each such interval. `None` if that are too
+    /// many, or if the bounds are equal, which nothing is likely to meet.
+    pub(crate) fn dates(self) -> Option<usize> {
+        match self {
+            Self { least: 0, .. } | Self { most: u64::MAX, .. } => Some(1),
+            Self { least, most } => {
+                let width = most.checked_sub(least).filter(|width| *width > 0)?;
+                let dates = 2 * most.div_ceil(width) + 2;
+                (dates <= MOST_DATES).then(|| usize::try_from(dates).unwrap_or_default())
+            }
+        }
+    }
+}
+
+/// The dates at which something held.
+#[derive(Clone, Debug)]
+pub(crate) struct Past {
+    bounds: Bounds,
+    /// Of these the first `count`, in order.
+    dates: Box<[u64]>,
+    count: usize,
+}
+
+impl Past {
+    pub(crate) fn new(bounds: Bounds) -> Self {
+        let dates = bounds.dates().unwrap_or(1);
+        Self { bounds, dates: vec![0; dates].into_boxed_slice(), count: 0 }
+    }
+
+    /// It holds at this date, which is none before those of earlier calls.
+    pub(crate) fn add(&mut self, now: u64) {
+        let Bounds { least, most } = self.bounds;
+        if least == 0 {
+            // The last date is the nearest.
+            (self.dates[0], self.count) = (now, 1);
+        } else if most == u64::MAX {
+            // The first is the farthest.
+            if self.count == 0 {
+                (self.dates[0], self.count) = (now, 1);
+            }
+        } else {
+            self.add_between(now, most - least);
+        }
+    }
+
+    fn add_between(&mut self, now: u64, width: u64) {
+        let over = |date: &&u64| now.saturating_sub(**date) > self.bounds.most;
+        let gone = self.dates[..self.count].iter().take_while(over).count();
+        self.dates.copy_within(gone..self.count, 0);
+        self.count -= gone;
+        if self.count >= 2 && now.saturating_sub(self.dates[self.count - 2]) <= width {
+            self.count -= 1;
+        }
+        if self.count == self.dates.len() {
+            // Not to be: there is room for all.
+            self.dates.copy_within(1.., 0);
+            self.count -= 1;
+        }
+        self.dates[self.count] = now;
+        self.count += 1;
+    }
+
+    /// At an event: whether it held between the bounds before, unless `stays` did not hold at some
+    /// event after that.
+    #[inline]
+    pub(crate) fn goes_on(&mut self, stays: bool, holds: bool, now: u64) -> bool {
+        if !stays {
+            self.count = 0;
+        }
+        if holds {
+            self.add(now);
+        }
+        self.held(now)
+    }
+
+    /// Whether it held at any date that counts.
+    pub(crate) fn any(&self) -> bool {
+        self.count > 0
+    }
+
+    /// Whether it held between the bounds before this date.
+    pub(crate) fn held(&self, now: u64) -> bool {
+        let Bounds { least, most } = self.bounds;
+        let within = |date: &u64| {
+            let ago = now.saturating_sub(*date);
+            least <= ago && ago <= most
+        };
+        self.dates[..self.count].iter().any(within)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn what_is_kept_answers_as_all_dates_would(
+            least in 0u64..60,
+            width in 1u64..60,
+            ever in proptest::bool::weighted(0.2),
+            steps in proptest::collection::vec((0u64..9, proptest::bool::ANY), 1..400),
+        ) {
+            let bounds = Bounds { least, most: if ever { u64::MAX } else { least + width } };
+            if let Some(room) = bounds.dates() {
+                let (mut past, mut all, mut now) = (Past::new(bounds), Vec::new(), 0);
+                for (step, holds) in steps {
+                    now += step;
+                    if holds {
+                        past.add(now);
+                        all.push(now);
+                    }
+                    let within = |date: &u64| (least..=bounds.most).contains(&(now - date));
+                    prop_assert_eq!(past.held(now), all.iter().any(within));
+                    prop_assert!(past.count <= room);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn bounds_that_need_too_many_dates_are_known() {
+        let dates = |least, most| Bounds { least, most }.dates();
+        assert_eq!([dates(0, 9), dates(9, u64::MAX)], [Some(1); 2]);
+        assert_eq!([dates(1, 2), dates(30, 31)], [Some(6), Some(64)]);
+        assert_eq!([dates(31, 32), dates(5, 5)], [None; 2]);
+    }
+}

@@ -1,0 +1,143 @@
+//! Heartbeats: time between two calls of a codel, or two values of a port.
+
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+
+use super::broken::Fact;
+
+/// In place of a date.
+const NONE: u64 = u64::MAX;
+/// A beat came at that date.
+const BEAT: u64 = 1;
+
+/// The heartbeat of one rule. Whoever makes it beat does so with a few atomic operations.
+#[derive(Debug)]
+pub(super) struct Beat {
+    pub(super) rule: usize,
+    least: u64,
+    longest: u64,
+    /// Only while activities run: how many do. `None` for always.
+    running: Option<AtomicU32>,
+    /// Twice the date from which on the next beat is waited for, and one more if that is the date of
+    /// a beat; [`NONE`] while none is waited for.
+    from: AtomicU64,
+    /// Of which `from` it was told that none came.
+    told: AtomicU64,
+}
+
+/// What concerns a heartbeat.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Pulse {
+    Beats,
+    Begins,
+    Ends,
+}
+
+impl Beat {
+    pub(super) fn new(rule: usize, least: u64, longest: u64, during: bool) -> Self {
+        let date = || AtomicU64::new(NONE);
+        let running = during.then(AtomicU32::default);
+        Self { rule, least, longest, running, from: date(), told: date() }
+    }
+
+    /// Something that concerns it happens at this date; returns what that breaks.
+    pub(super) fn hear(&self, pulse: Pulse, now: u64) -> Option<Fact> {
+        match pulse {
+            Pulse::Beats => self.beats(now),
+            Pulse::Begins => {
+                let before = self.running.as_ref()?.fetch_add(1, Ordering::AcqRel);
+                if before == 0 {
+                    self.awaits(now);
+                }
+                None
+            }
+            Pulse::Ends => {
+                let less = |running: u32| running.checked_sub(1);
+                let running = self.running.as_ref()?;
+                let before = running.fetch_update(Ordering::AcqRel, Ordering::Acquire, less);
+                if before != Ok(1) {
+                    return None;
+                }
+                let from = self.from.swap(NONE, Ordering::AcqRel);
+                self.is_late(from, now, self.longest.saturating_add(1))
+            }
+        }
+    }
+
+    fn beats(&self, now: u64) -> Option<Fact> {
+        if self.running.as_ref().is_some_and(|running| running.load(Ordering::Acquire) == 0) {
+            return None;
+        }
+        let from = self.from.swap(now << 1 | BEAT, Ordering::AcqRel);
+        let since = now.saturating_sub(from >> 1);
+        if from != NONE && from & BEAT > 0 && since < self.least {
+            return Some(Fact::Soon { ns: since });
+        }
+        self.is_late(from, now, self.longest.saturating_add(1))
+    }
+
+    /// From this date on it is waited for.
+    fn awaits(&self, now: u64) {
+        self.from.store(now << 1, Ordering::Release);
+    }
+
+    /// The same, unless it depends on activities.
+    pub(super) fn awaits_always(&self, now: u64) {
+        if self.running.is_none() {
+            self.awaits(now);
+        }
+    }
+
+    /// Whether it did not come within this time until this date, and nobody was told that.
+    fn is_late(&self, from: u64, now: u64, longest: u64) -> Option<Fact> {
+        let since = now.saturating_sub(from >> 1);
+        let late = from != NONE && since >= longest;
+        let first = || self.told.swap(from, Ordering::AcqRel) != from;
+        (late && first()).then_some(Fact::Late { ns: since })
+    }
+
+    /// Whether it did not come in time, seen from outside.
+    pub(super) fn look(&self, now: u64) -> Option<Fact> {
+        self.is_late(self.from.load(Ordering::Acquire), now, self.longest)
+    }
+
+    /// The date at which it will be too late.
+    pub(super) fn due(&self) -> Option<u64> {
+        let from = self.from.load(Ordering::Acquire);
+        let waits = from != NONE && self.told.load(Ordering::Acquire) != from;
+        waits.then(|| (from >> 1).saturating_add(self.longest))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_beat_too_early_too_late_or_never_is_told_once_each() {
+        let beat = Beat::new(0, 8, 12, false);
+        assert_eq!((beat.due(), beat.look(100)), (None, None), "nothing is waited for yet");
+        beat.awaits_always(100);
+        assert_eq!(beat.due(), Some(112));
+        assert_eq!(beat.hear(Pulse::Beats, 103), None, "the first may come at once");
+        assert_eq!(beat.hear(Pulse::Beats, 110), Some(Fact::Soon { ns: 7 }));
+        assert_eq!(beat.hear(Pulse::Beats, 122), None, "the longest time is in time");
+        assert_eq!(beat.look(133), None);
+        assert_eq!(beat.look(134), Some(Fact::Late { ns: 12 }));
+        assert_eq!((beat.look(140), beat.due()), (None, None));
+        assert_eq!(beat.hear(Pulse::Beats, 150), None, "it was told");
+        assert_eq!(beat.hear(Pulse::Beats, 163), Some(Fact::Late { ns: 13 }));
+    }
+
+    #[test]
+    fn a_beat_that_depends_on_activities_is_waited_for_while_one_runs() {
+        let beat = Beat::new(0, 8, 12, true);
+        beat.awaits_always(0);
+        assert_eq!((beat.due(), beat.hear(Pulse::Beats, 5)), (None, None));
+        assert_eq!(beat.hear(Pulse::Begins, 10), None);
+        assert_eq!(beat.hear(Pulse::Begins, 15), None);
+        assert_eq!(beat.due(), Some(22));
+        assert_eq!(beat.hear(Pulse::Ends, 20), None);
+        assert_eq!(beat.hear(Pulse::Ends, 25), Some(Fact::Late { ns: 15 }));
+        assert_eq!((beat.due(), beat.look(90)), (None, None));
+    }
+}
