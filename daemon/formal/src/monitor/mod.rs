@@ -27,7 +27,7 @@ impl System {
             Rule::Formula(program) => self.formula(program, limits),
             Rule::After { codels, first } => {
                 let returned = first.iter().map(|ix| Happening::Return(*ix)).collect();
-                self.called(
+                self.calls_break(
                     codels,
                     limits,
                     vec![
@@ -37,7 +37,7 @@ impl System {
                     ],
                 )
             }
-            Rule::During { codels, service } => self.called(
+            Rule::During { codels, service } => self.calls_break(
                 codels,
                 limits,
                 vec![Part::Runs(*service), Part::Not(1), Part::Implies(0, 2)],
@@ -57,7 +57,7 @@ impl System {
     }
 
     /// A formula about the calls of these codels, which are its first part.
-    fn called(&self, codels: &[genom_runtime::CodelIx], limits: &Limits, more: Vec<Part>) -> Fires {
+    fn calls_break(&self, codels: &[genom_runtime::CodelIx], limits: &Limits, more: Vec<Part>) -> Fires {
         let calls = codels.iter().map(|ix| Happening::Call(*ix)).collect();
         let parts = [Part::Happens(calls)].into_iter().chain(more);
         match Program::new(parts.map(|part| (part, String::new())).collect()) {
