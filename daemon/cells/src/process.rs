@@ -1,6 +1,6 @@
 //! The process of a cell: started without a fork, seen to end by its descriptor (`pidfd`).
 //!
-//! Its end has two moments. First it is *seen*, by its first thread if it is a fault (`dying`): what
+//! Its end has two moments. First it is *seen*, by one of its threads if it is a fault (`dying`): what
 //! must be done of other components is done then. Then it is *over*: what its codels started is
 //! ended, and its status taken, so that the next process may start.
 
@@ -25,7 +25,7 @@ use tokio::sync::watch;
 
 use crate::blackbox::lend;
 use crate::crashes::Dump;
-use crate::dying::Dying;
+use crate::dying;
 use crate::end::End;
 use crate::place::Place;
 use crate::remains;
@@ -108,12 +108,12 @@ impl Process {
         let handle = Arc::new(pidfd_open(pid, PidfdFlags::empty())?);
         let (sees, seen) = watch::channel(None);
         let (ends, over) = watch::channel(None);
-        let (watched, dying) = (Arc::clone(&handle), Dying::of(pid));
+        let watched = Arc::clone(&handle);
         // A thread, since tokio takes no such descriptor without unsafe code; it sleeps.
         thread::Builder::new().name("cell-end".to_owned()).stack_size(STACK).spawn(move || {
             // Where that is refused, it is only slower.
             let _ = be_prompt();
-            if let Some(failure) = dying.failure(&watched) {
+            if let Some(failure) = dying::failure(pid, &watched) {
                 sees.send_replace(Some(failure));
             }
             while let Err(Errno::INTR) = poll(&mut [PollFd::new(&*watched, PollFlags::IN)], None) {}

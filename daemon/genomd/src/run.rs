@@ -13,7 +13,6 @@ use genom_doors::{
 };
 use genom_foxglove::Foxglove;
 use genom_host::{KeptProcess, keep_from_children, keep_off};
-use genom_kit::prompt::be_prompt;
 use genom_middleware::Middleware;
 use genom_protocol::{CellState, DeploymentRequest};
 use genom_supervisor::Supervisor;
@@ -49,12 +48,6 @@ pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
         .thread_name("genomd-rpc")
-        // What is asked, and what a failure asks for, does not wait behind a process that starts.
-        .on_thread_start(|| {
-            if let Err(error) = be_prompt() {
-                tracing::debug!(%error, "requests may wait for their turn");
-            }
-        })
         .enable_all()
         .build()
         .map_err(Refusal::own)?;
