@@ -19,6 +19,8 @@ mod components;
 mod control_plane;
 mod deployment;
 mod editors;
+#[path = "../../src/siege/forger.rs"]
+mod forger;
 mod foxglove;
 mod freezing;
 mod gateways;

@@ -57,7 +57,12 @@ impl System {
     }
 
     /// A formula about the calls of these codels, which are its first part.
-    fn calls_break(&self, codels: &[genom_runtime::CodelIx], limits: &Limits, more: Vec<Part>) -> Fires {
+    fn calls_break(
+        &self,
+        codels: &[genom_runtime::CodelIx],
+        limits: &Limits,
+        more: Vec<Part>,
+    ) -> Fires {
         let calls = codels.iter().map(|ix| Happening::Call(*ix)).collect();
         let parts = [Part::Happens(calls)].into_iter().chain(more);
         match Program::new(parts.map(|part| (part, String::new())).collect()) {

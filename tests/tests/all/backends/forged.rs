@@ -1,11 +1,8 @@
 //! Forged datagrams that would end a whole daemon, sent to one in which a component runs.
 
-#[path = "../../../src/siege/forger.rs"]
-mod forger;
-
 use std::net::UdpSocket;
 
-use forger::{Forger, USER, announcement_ports, fragment, gap, heartbeat, ports};
+use crate::forger::{Forger, USER, announcement_ports, fragment, gap, heartbeat, ports};
 use genom_tests::{Daemon, Footprint, Home, component, path, until};
 
 /// Number of ticks of the demo's task.

@@ -32,6 +32,7 @@ transcripts! {
     "look": what_runs_is_listed_and_described,
     "drive": services_are_called_and_activities_driven,
     "traffic": ports_are_read_measured_fed_and_wired,
+    "verify": tasks_are_checked_by_files_and_as_they_run,
     "web": a_link_to_the_console_is_printed,
     "why": each_reason_why_no_data_flows_is_told_with_its_fix,
 }

@@ -1,14 +1,11 @@
 //! The graph and what other programs have on the middlewares.
 
-#[path = "../../../src/siege/forger.rs"]
-mod forger;
-
 use std::net::UdpSocket;
 use std::sync::Arc;
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::time::Duration;
 
-use forger::{Forger, announcement_ports};
+use crate::forger::{Forger, announcement_ports};
 use genom_tests::browser::Browser;
 use genom_tests::{Home, Memory, component, path, until_answer};
 use serde_json::json;
