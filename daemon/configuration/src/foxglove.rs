@@ -81,7 +81,7 @@ impl FoxgloveSection {
         }
         let whole = |origin: &&String| {
             let name = origin.split_once("://").map(|(_, name)| name);
-            !name.is_some_and(|name| !name.contains('/'))
+            name.is_none_or(|name| name.contains('/'))
         };
         match self.origins.iter().find(whole) {
             Some(origin) => wrong("origins", quoted(origin), "SCHEME://HOST, without a path"),

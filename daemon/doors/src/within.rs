@@ -14,8 +14,7 @@ pub async fn answers(router: Router, path: &str) -> bool {
     ask_within(router, request).await.status().is_success()
 }
 
-/// Makes a request. Behind [`Door::proved`](crate::Door::proved), a [`Holder`](crate::Holder) among
-/// its extensions says who makes it.
+/// Makes a request. Behind `Door::proved`, a `Holder` among its extensions says who makes it.
 pub async fn ask_within(router: Router, request: Request<Body>) -> Response {
     match TowerToHyperService::new(router).call(request).await {
         Ok(response) => response,

@@ -14,21 +14,34 @@ use crate::hub::Hub;
 use crate::inside::{Asker, Inside, Refused};
 use crate::reply;
 
+/// Why a call has no outputs.
+#[derive(Debug, thiserror::Error)]
+enum CallError {
+    #[error("there is no service {0}")]
+    Unknown(u32),
+    #[error("`{0}`: inputs are in `json`")]
+    Encoding(String),
+    #[error("{CALLS} calls are under way already: wait for one to be answered")]
+    Busy,
+    #[error(transparent)]
+    Refused(#[from] Refused),
+}
+
 /// Calls a service, beside what the client sends meanwhile.
 pub(crate) fn call(hub: &Arc<Hub>, client: &Arc<Client>, asked: &ServiceCallRequest<'_>) {
     let (service_id, call_id) = (asked.service_id, asked.call_id);
-    let refuse = |why: String| client.outbox.say(reply::answered(service_id, call_id, Err(why)));
+    let refuse = |why: CallError| client.outbox.say(reply::answered(service_id, call_id, Err(why)));
     let Some(offered) = hub.service(service_id) else {
-        return refuse(format!("there is no service {service_id}"));
+        return refuse(CallError::Unknown(service_id));
     };
     if !matches!(asked.encoding.as_ref(), "json" | "") {
         let encoding: String = asked.encoding.chars().take(50).collect();
-        return refuse(format!("`{}`: inputs are in `json`", encoding.escape_default()));
+        return refuse(CallError::Encoding(encoding.escape_default().to_string()));
     }
     let permits =
         (Arc::clone(&client.calls).try_acquire_owned(), Arc::clone(&hub.calls).try_acquire_owned());
     let (Ok(own), Ok(shared)) = permits else {
-        return refuse(format!("{CALLS} calls are under way already: wait for one to be answered"));
+        return refuse(CallError::Busy);
     };
     let (hub, client) = (Arc::clone(hub), Arc::clone(client));
     let inputs = match asked.payload.as_ref() {
@@ -38,7 +51,7 @@ pub(crate) fn call(hub: &Arc<Hub>, client: &Arc<Client>, asked: &ServiceCallRequ
     tokio::spawn(async move {
         let (component, service) = (&offered.component, &offered.service.name);
         let answer = ask(&hub.inside, &client.asker(), component, service, inputs).await;
-        let answer = answer.map_err(|error| error.to_string());
+        let answer = answer.map_err(CallError::Refused);
         client.outbox.say(reply::answered(service_id, call_id, answer));
         drop((own, shared));
     });

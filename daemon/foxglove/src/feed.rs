@@ -4,7 +4,7 @@
 //! samples of the first one have been passed on. What both have is passed on once.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use axum::body::Body;
@@ -17,6 +17,7 @@ use tokio::time::{sleep, timeout};
 use tokio_util::sync::CancellationToken;
 
 use crate::hub::Hub;
+use crate::lock::lock;
 
 /// How long a recording that was asked to end may take for its last samples.
 const LAST: Duration = Duration::from_secs(5);
@@ -171,7 +172,7 @@ impl Reading {
     async fn take_over(&mut self, before: Option<Running>) {
         let Some(before) = before else { return };
         before.finish().await;
-        self.both.clone_from(&self.last.lock().unwrap_or_else(PoisonError::into_inner));
+        self.both.clone_from(&lock(&self.last));
     }
 
     fn take(&mut self, frame: Frame<'_>, channels: &mut BTreeMap<u16, String>) {
@@ -189,7 +190,7 @@ impl Reading {
                     self.both.remove(topic);
                 }
                 self.hub.deliver(topic, sample.date, sample.message);
-                let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+                let mut last = lock(&self.last);
                 match last.get_mut(topic) {
                     Some(last) => *last = sample.date,
                     None => _ = last.insert(topic.clone(), sample.date),

@@ -19,7 +19,7 @@ use genom_doors::{Holder, Mark, RpcError, Tokens, one_header, own_name};
 use genom_protocol::{Code, Right};
 use serde::Deserialize;
 
-use crate::server::Inner;
+use crate::terms::Terms;
 
 /// A client that was admitted.
 #[derive(Clone, Debug)]
@@ -45,17 +45,17 @@ impl Visitor {
 }
 
 /// Who makes this request, unless it is refused.
-pub(crate) fn admit(inner: &Inner, request: &Request) -> Result<Visitor, RpcError> {
+pub(crate) fn admit(terms: &Terms, request: &Request) -> Result<Visitor, RpcError> {
     let headers = request.headers();
     // A whole address in the request line would count instead of `Host`.
     let host = one_header(headers, &header::HOST).filter(|_| request.uri().authority().is_none());
-    if !host.is_some_and(|host| own_name(host, &inner.section.hosts)) {
+    if !host.is_some_and(|host| own_name(host, &terms.section.hosts)) {
         let help = "use an IP address, localhost or a name of foxglove.hosts";
         return Err(foreign("this host name is none of this daemon's").help(help));
     }
     if headers.contains_key(header::ORIGIN) {
         let origin = one_header(headers, &header::ORIGIN).unwrap_or("");
-        let known = &inner.section.origins;
+        let known = &terms.section.origins;
         if !known.iter().any(|known| known.eq_ignore_ascii_case(origin)) {
             let origin: String = origin.chars().take(100).collect();
             let message = format!("web pages of `{}` are not served", origin.escape_default());
@@ -65,15 +65,15 @@ pub(crate) fn admit(inner: &Inner, request: &Request) -> Result<Visitor, RpcErro
     let visitor = match token(request)? {
         Some(token) => {
             let unknown = || refused("this token is not known here");
-            let holder = inner.tokens.holder(token.as_bytes()).ok_or_else(unknown)?;
-            Visitor { mark: inner.tokens.mark(&holder), holder }
+            let holder = terms.tokens.holder(token.as_bytes()).ok_or_else(unknown)?;
+            Visitor { mark: terms.tokens.mark(&holder), holder }
         }
-        None if !inner.address.ip().is_loopback() => {
+        None if !terms.address.ip().is_loopback() => {
             return Err(refused("a token is needed here")
                 .help("add ?token=TOKEN to the address, with one of rpc.token_file"));
         }
         None => {
-            let rights = inner.section.rights.clone();
+            let rights = terms.section.rights.clone();
             Visitor { holder: Holder::of("a client of foxglove".to_owned(), rights), mark: None }
         }
     };

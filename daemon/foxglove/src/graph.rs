@@ -9,8 +9,7 @@ use foxglove::ws_protocol::server::connection_graph_update::{
 use genom_protocol::{ConnectionKind, PortDirection, PortParameters, routes};
 use tokio_tungstenite::tungstenite::Message;
 
-use crate::hub::Hub;
-use crate::inside::Refused;
+use crate::inside::{Asker, Inside, Refused};
 use crate::reply;
 
 type Ends = BTreeMap<String, BTreeSet<String>>;
@@ -24,11 +23,11 @@ pub(crate) struct Graph {
 }
 
 impl Graph {
-    /// The ports and their connections.
-    pub(crate) async fn read(hub: &Hub) -> Result<Self, Refused> {
+    /// The ports and their connections, as far as this one may read them.
+    pub(crate) async fn read(inside: &Inside, by: &Asker) -> Result<Self, Refused> {
         let query = PortParameters { values: Some(false) };
-        let ports = hub.inside.ask(&hub.own, &routes::ports().with(&query), "").await?;
-        let connections = hub.inside.ask(&hub.own, &routes::connections(), "").await?;
+        let ports = inside.ask(by, &routes::ports().with(&query), "").await?;
+        let connections = inside.ask(by, &routes::connections(), "").await?;
         let mut graph = Self::default();
         for port in ports.ports.iter().filter(|port| port.direction == PortDirection::Out) {
             add(&mut graph.published, topic(&port.address), &port.address);

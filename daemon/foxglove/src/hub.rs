@@ -1,29 +1,23 @@
-//! What all clients are told: the channels and services there are, the graph, the time, samples.
+//! What all clients share, and are told: the channels and services there are, the graph, samples.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::sync::{Arc, Mutex};
+use std::time::{SystemTime, UNIX_EPOCH};
 
-use foxglove::ws_protocol::BinaryMessage as _;
-use foxglove::ws_protocol::server::Time;
+use foxglove::ws_protocol::server::ServerInfo;
+use foxglove::ws_protocol::server::server_info::Capability;
 use genom_doors::Holder;
 use genom_protocol::{ClockKind, Description, Right, Service, routes};
 use tokio::sync::{Notify, Semaphore};
-use tokio::time::{MissedTickBehavior, interval};
 use tokio_tungstenite::tungstenite::Message;
-use tokio_util::sync::CancellationToken;
 
 use crate::catalogue::{Catalogue, Difference, Offered, no_more, no_more_services};
 use crate::client::Client;
-use crate::feed::{Changes, Feed};
 use crate::graph::Graph;
 use crate::inside::{Asker, Inside};
+use crate::lock::lock;
+use crate::reply;
 
-/// How often channels and the graph are looked at while there are clients; besides, whenever the
-/// daemon says that something changed.
-const LOOK: Duration = Duration::from_secs(1);
-/// How often a virtual clock is told.
-const TIME: Duration = Duration::from_millis(50);
 /// Calls of services under way, of all clients together.
 const CALLS: usize = 128;
 
@@ -33,16 +27,15 @@ pub(crate) struct Hub {
     pub(crate) inside: Inside,
     /// In whose name is looked at what all clients may read.
     pub(crate) own: Asker,
-    pub(crate) name: String,
+    name: String,
     /// Distinguishes this run of the daemon from others.
-    pub(crate) session: String,
+    session: String,
     pub(crate) calls: Arc<Semaphore>,
     state: Mutex<State>,
     /// Held while it is looked at what there is: what is seen later is told later.
     looking: tokio::sync::Mutex<Seen>,
     /// Clients came or went, or subscribed to something.
     changed: Notify,
-    closed: CancellationToken,
 }
 
 #[derive(Debug, Default)]
@@ -63,7 +56,7 @@ struct Seen {
 }
 
 impl Hub {
-    pub(crate) fn new(inside: Inside, name: Option<&str>, closed: CancellationToken) -> Arc<Self> {
+    pub(crate) fn new(inside: Inside, name: Option<&str>) -> Arc<Self> {
         let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         let holder = Holder::of("foxglove".to_owned(), vec![Right::Read]);
         Arc::new(Self {
@@ -75,70 +68,36 @@ impl Hub {
             state: Mutex::default(),
             looking: tokio::sync::Mutex::default(),
             changed: Notify::new(),
-            closed,
         })
     }
 
-    fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Waits until clients come or go, or subscribe to something.
+    pub(crate) async fn changed(&self) {
+        self.changed.notified().await;
     }
 
-    /// Keeps clients up to date until the daemon ends.
-    pub(crate) async fn keep(self: Arc<Self>) {
-        let mut feed = Feed::new(Arc::clone(&self));
-        loop {
-            tokio::select! {
-                () = self.changed.notified() => {}
-                () = self.closed.cancelled() => return,
-            }
-            if !self.lock().clients.is_empty() {
-                self.attend(&mut feed).await;
-            }
-            if self.closed.is_cancelled() {
-                return;
-            }
+    /// The topics that clients subscribed to; `None` if there are no clients.
+    pub(crate) fn wanted(&self) -> Option<BTreeSet<String>> {
+        let state = lock(&self.state);
+        if state.clients.is_empty() {
+            return None;
         }
+        let wanted = state.clients.iter().flat_map(|client| client.subscribed());
+        Some(wanted.filter_map(|id| state.catalogue.topic(id).map(str::to_owned)).collect())
     }
 
-    /// Attends to clients until the last one is gone.
-    async fn attend(self: &Arc<Self>, feed: &mut Feed) {
-        let mut changes = Changes::follow(self);
-        let mut ticks = interval(LOOK);
-        ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
-        let mut time = interval(TIME);
-        time.set_missed_tick_behavior(MissedTickBehavior::Skip);
-        let is_virtual = self.lock().clock == ClockKind::Virtual;
-        loop {
-            tokio::select! {
-                _ = ticks.tick() => self.look(false).await,
-                components = changes.next() => self.look(components).await,
-                _ = time.tick(), if is_virtual => self.tell_time().await,
-                () = self.changed.notified() => {}
-                () = self.closed.cancelled() => return,
-            }
-            self.draw().await;
-            let wanted = {
-                let state = self.lock();
-                if state.clients.is_empty() {
-                    drop(state);
-                    feed.want(BTreeSet::new());
-                    return;
-                }
-                let wanted = state.clients.iter().flat_map(|client| client.subscribed());
-                let topics = wanted.filter_map(|id| state.catalogue.topic(id).map(str::to_owned));
-                topics.collect()
-            };
-            feed.want(wanted);
-        }
+    /// Whether the clock of the daemon is virtual.
+    pub(crate) fn is_virtual(&self) -> bool {
+        lock(&self.state).clock == ClockKind::Virtual
     }
 
     /// Looks at the channels there are, and at the services too if `services`; tells clients what
     /// changed.
-    async fn look(&self, services: bool) {
+    pub(crate) async fn look(&self, services: bool) {
         let mut seen = self.looking.lock().await;
         match self.inside.ask(&self.own, &routes::channels(), "").await {
             Ok(now) => {
-                let mut state = self.lock();
+                let mut state = lock(&self.state);
                 let Difference { new, gone } = state.catalogue.set_channels(now.channels);
                 if !new.is_empty() || !gone.is_empty() {
                     let told: Vec<_> = no_more(&gone).into_iter().collect();
@@ -153,7 +112,7 @@ impl Hub {
         }
         if services {
             let now = self.services(&mut seen).await;
-            let mut state = self.lock();
+            let mut state = lock(&self.state);
             let Difference { new, gone } = state.catalogue.set_services(now);
             let (catalogue, clients) = (&state.catalogue, &state.clients);
             for client in clients {
@@ -167,7 +126,7 @@ impl Hub {
     /// The services of all components that run.
     async fn services(&self, seen: &mut Seen) -> Vec<Offered> {
         let Ok(all) = self.inside.ask(&self.own, &routes::components(), "").await else {
-            return self.lock().catalogue.offered().cloned().collect();
+            return lock(&self.state).catalogue.offered().cloned().collect();
         };
         let names: BTreeSet<_> = all.components.into_iter().map(|one| one.name).collect();
         seen.components.retain(|name, _| names.contains(name));
@@ -211,22 +170,19 @@ impl Hub {
         seen.components.insert(name.to_owned(), (described.digest, services));
     }
 
-    /// Tells the time of a virtual clock.
-    async fn tell_time(&self) {
-        if let Ok(clock) = self.inside.ask(&self.own, &routes::clock(), "").await {
-            let message = Message::Binary(Time::new(clock.now).to_bytes().into());
-            self.lock().clients.iter().for_each(|client| client.outbox.say(message.clone()));
-        }
+    /// Tells all clients something.
+    pub(crate) fn tell(&self, message: &Message) {
+        lock(&self.state).clients.iter().for_each(|client| client.outbox.say(message.clone()));
+    }
+
+    /// Whether a client subscribed to the graph.
+    pub(crate) fn shows_graph(&self) -> bool {
+        lock(&self.state).clients.iter().any(|client| client.sees_graph())
     }
 
     /// Tells who subscribed to the graph how it changed.
-    async fn draw(&self) {
-        let looks = |state: &State| state.clients.iter().any(|client| client.sees_graph());
-        if !looks(&self.lock()) {
-            return;
-        }
-        let Ok(now) = Graph::read(self).await else { return };
-        let mut state = self.lock();
+    pub(crate) fn draw(&self, now: Graph) {
+        let mut state = lock(&self.state);
         let services = state.catalogue.offered().map(|one| (&one.component, &one.service.name));
         let now = now.with_services(services);
         for client in state.clients.iter().filter(|client| client.sees_graph()) {
@@ -240,16 +196,37 @@ impl Hub {
         state.graph = now;
     }
 
+    /// What this source can do for a client.
+    fn greeting(&self, client: &Client, clock: ClockKind) -> Message {
+        let mut able = vec![Capability::ConnectionGraph];
+        if client.may(Right::Call, "").is_ok() {
+            able.extend([
+                Capability::ClientPublish,
+                Capability::Services,
+                Capability::Parameters,
+                Capability::ParametersSubscribe,
+            ]);
+        }
+        if clock == ClockKind::Virtual {
+            able.push(Capability::Time);
+        }
+        let info = ServerInfo::new(self.name.clone())
+            .with_capabilities(able)
+            .with_supported_encodings(["json"])
+            .with_session_id(self.session.clone());
+        reply::json(&info)
+    }
+
     /// Adds a client, and tells it what there is.
     pub(crate) async fn join(&self, client: &Arc<Client>) {
-        let first = self.lock().clients.is_empty();
+        let first = lock(&self.state).clients.is_empty();
         if let Ok(clock) = self.inside.ask(&self.own, &routes::clock(), "").await {
-            self.lock().clock = clock.clock;
+            lock(&self.state).clock = clock.clock;
         }
         // While nobody is there, nobody looks.
         self.look(first).await;
-        let mut state = self.lock();
-        client.greet(self, state.clock);
+        let mut state = lock(&self.state);
+        client.outbox.say(self.greeting(client, state.clock));
         state.catalogue.announce(None).into_iter().for_each(|message| client.outbox.say(message));
         let services = state.catalogue.announce_services(None, &client.asker().holder);
         services.into_iter().for_each(|message| client.outbox.say(message));
@@ -260,7 +237,7 @@ impl Hub {
 
     /// Removes a client.
     pub(crate) fn leave(&self, client: &Arc<Client>) {
-        self.lock().clients.retain(|other| !Arc::ptr_eq(other, client));
+        lock(&self.state).clients.retain(|other| !Arc::ptr_eq(other, client));
         self.changed.notify_one();
     }
 
@@ -271,22 +248,22 @@ impl Hub {
 
     /// Whether there is such a channel.
     pub(crate) fn has_channel(&self, id: u64) -> bool {
-        self.lock().catalogue.topic(id).is_some()
+        lock(&self.state).catalogue.topic(id).is_some()
     }
 
     /// A service by its number.
     pub(crate) fn service(&self, id: u32) -> Option<Offered> {
-        self.lock().catalogue.service(id).cloned()
+        lock(&self.state).catalogue.service(id).cloned()
     }
 
     /// All services that `wanted` takes.
     pub(crate) fn offered(&self, wanted: impl Fn(&Offered) -> bool) -> Vec<Offered> {
-        self.lock().catalogue.offered().filter(|one| wanted(one)).cloned().collect()
+        lock(&self.state).catalogue.offered().filter(|one| wanted(one)).cloned().collect()
     }
 
     /// Passes a sample to the clients that subscribed to its topic.
     pub(crate) fn deliver(&self, topic: &str, date: u64, message: &[u8]) {
-        let state = self.lock();
+        let state = lock(&self.state);
         if let Some(channel) = state.catalogue.channel(topic) {
             state.clients.iter().for_each(|client| client.sample(channel, date, message));
         }
@@ -294,7 +271,7 @@ impl Hub {
 
     /// Tells the clients of a topic how many of its samples were lost before they came here.
     pub(crate) fn lost(&self, topic: &str, count: u64) {
-        let state = self.lock();
+        let state = lock(&self.state);
         if let Some(channel) = state.catalogue.channel(topic) {
             state.clients.iter().for_each(|client| client.lost(channel, topic, count));
         }

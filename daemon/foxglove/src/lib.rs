@@ -23,6 +23,7 @@
 
 #![forbid(unsafe_code)]
 
+mod advertised;
 mod calls;
 mod catalogue;
 mod client;
@@ -31,11 +32,16 @@ mod gate;
 mod graph;
 mod hub;
 mod inside;
+mod keeper;
+mod lock;
+mod orders;
 mod outbox;
 mod parameters;
 mod publishing;
 mod reply;
 mod server;
+mod session;
+mod terms;
 mod upgrade;
 
 #[allow(unused_imports, reason = "the documentation refers to it")]

@@ -1,10 +1,12 @@
 //! What waits to be sent to one client: never more than it may, however slowly the client reads.
 
 use std::collections::VecDeque;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 
 use tokio::sync::Notify;
 use tokio_tungstenite::tungstenite::Message;
+
+use crate::lock::lock;
 
 /// Bytes of replies and announcements that may wait. These are never left out: a client that lets so
 /// many wait is sent away.
@@ -56,13 +58,9 @@ impl Outbox {
         Self { most, state: Mutex::default(), more: Notify::new() }
     }
 
-    fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Adds a reply or an announcement.
     pub(crate) fn say(&self, message: Message) {
-        let mut state = self.lock();
+        let mut state = lock(&self.state);
         state.words.push(message);
         state.over |= state.words.bytes > MOST_WORDS;
         drop(state);
@@ -71,7 +69,7 @@ impl Outbox {
 
     /// Adds a sample. The oldest ones make room for it.
     pub(crate) fn sample(&self, message: Message) {
-        let mut state = self.lock();
+        let mut state = lock(&self.state);
         state.samples.push(message);
         while state.samples.bytes > self.most && state.samples.pop().is_some() {
             state.dropped += 1;
@@ -85,7 +83,7 @@ impl Outbox {
         loop {
             let more = self.more.notified();
             {
-                let mut state = self.lock();
+                let mut state = lock(&self.state);
                 if state.over {
                     return None;
                 }
@@ -99,7 +97,7 @@ impl Outbox {
 
     /// How many samples were left out so far, if that changed since it was asked last.
     pub(crate) fn newly_dropped(&self) -> Option<u64> {
-        let mut state = self.lock();
+        let mut state = lock(&self.state);
         let changed = state.dropped != state.told;
         state.told = state.dropped;
         changed.then_some(state.dropped)

@@ -15,26 +15,38 @@ use serde_json::{Map, Value};
 use tokio_tungstenite::tungstenite::Message;
 
 use crate::catalogue::Offered;
-use crate::client::{CALLS, Client, lock};
+use crate::client::{CALLS, Client};
 use crate::hub::Hub;
 use crate::inside::Refused;
+use crate::lock::lock;
 use crate::{calls, reply};
 
 /// Names in one message, and that a client may watch.
 const MOST: usize = 1024;
 
+/// Why parameters are not read, set or watched.
+#[derive(Debug, PartialEq, thiserror::Error)]
+pub(crate) enum ParametersError {
+    #[error("{0} parameters, {MOST} at most")]
+    TooMany(usize),
+    #[error("an id of {0} bytes, {MOST} at most")]
+    LongId(usize),
+    #[error("{CALLS} requests are under way already: wait for one to be answered")]
+    Busy,
+}
+
 fn is_parameter(offered: &Offered) -> bool {
     offered.service.kind == ServiceKind::Attribute && !offered.service.standard
 }
 
-fn too_many(count: usize) -> Result<(), String> {
-    if count > MOST { Err(format!("{count} parameters, {MOST} at most")) } else { Ok(()) }
+fn too_many(count: usize) -> Result<(), ParametersError> {
+    if count > MOST { Err(ParametersError::TooMany(count)) } else { Ok(()) }
 }
 
 /// The answer has it, too.
-fn too_long(id: Option<&String>) -> Result<(), String> {
+fn too_long(id: Option<&String>) -> Result<(), ParametersError> {
     match id {
-        Some(id) if id.len() > MOST => Err(format!("an id of {} bytes, {MOST} at most", id.len())),
+        Some(id) if id.len() > MOST => Err(ParametersError::LongId(id.len())),
         _ => Ok(()),
     }
 }
@@ -51,7 +63,7 @@ pub(crate) fn get(
     hub: &Arc<Hub>,
     client: &Arc<Client>,
     asked: GetParameters,
-) -> Result<(), String> {
+) -> Result<(), ParametersError> {
     too_many(asked.parameter_names.len())?;
     too_long(asked.id.as_ref())?;
     beside(hub, client, |hub, client| async move {
@@ -66,7 +78,7 @@ pub(crate) fn set(
     hub: &Arc<Hub>,
     client: &Arc<Client>,
     asked: SetParameters,
-) -> Result<(), String> {
+) -> Result<(), ParametersError> {
     too_many(asked.parameters.len())?;
     too_long(asked.id.as_ref())?;
     beside(hub, client, |hub, client| async move {
@@ -103,7 +115,7 @@ async fn set_one(hub: &Hub, client: &Client, parameter: &Parameter) -> Result<()
 }
 
 /// Watches these parameters from now on.
-pub(crate) fn subscribe(client: &Client, names: Vec<String>) -> Result<(), String> {
+pub(crate) fn subscribe(client: &Client, names: Vec<String>) -> Result<(), ParametersError> {
     let mut watched = lock(&client.parameters);
     let new = names.iter().filter(|name| !watched.contains_key(*name)).count();
     too_many(watched.len() + new)?;
@@ -201,13 +213,13 @@ fn converted(value: &Value) -> Option<ParameterValue> {
 }
 
 /// Does something that takes time beside what the client sends meanwhile.
-fn beside<F, R>(hub: &Arc<Hub>, client: &Arc<Client>, work: F) -> Result<(), String>
+fn beside<F, R>(hub: &Arc<Hub>, client: &Arc<Client>, work: F) -> Result<(), ParametersError>
 where
     F: FnOnce(Arc<Hub>, Arc<Client>) -> R,
     R: Future<Output = ()> + Send + 'static,
 {
     let Ok(permit) = Arc::clone(&client.calls).try_acquire_owned() else {
-        return Err(format!("{CALLS} requests are under way already: wait for one to be answered"));
+        return Err(ParametersError::Busy);
     };
     let work = work(Arc::clone(hub), Arc::clone(client));
     tokio::spawn(async move {

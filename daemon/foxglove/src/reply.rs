@@ -1,5 +1,7 @@
 //! Messages to clients.
 
+use std::fmt::Display;
+
 use foxglove::ws_protocol::server::{ServiceCallFailure, ServiceCallResponse, Status};
 use foxglove::ws_protocol::{BinaryMessage as _, JsonMessage};
 use tokio_tungstenite::tungstenite::Message;
@@ -18,7 +20,11 @@ pub(crate) fn error(message: impl Into<String>) -> Message {
 }
 
 /// What a service answered.
-pub(crate) fn answered(service_id: u32, call_id: u32, answer: Result<Vec<u8>, String>) -> Message {
+pub(crate) fn answered(
+    service_id: u32,
+    call_id: u32,
+    answer: Result<Vec<u8>, impl Display>,
+) -> Message {
     match answer {
         Ok(payload) => {
             let response = ServiceCallResponse {
@@ -29,6 +35,6 @@ pub(crate) fn answered(service_id: u32, call_id: u32, answer: Result<Vec<u8>, St
             };
             Message::Binary(response.to_bytes().into())
         }
-        Err(message) => json(&ServiceCallFailure { service_id, call_id, message }),
+        Err(why) => json(&ServiceCallFailure { service_id, call_id, message: why.to_string() }),
     }
 }

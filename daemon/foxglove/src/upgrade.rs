@@ -13,39 +13,38 @@ use tokio_tungstenite::WebSocketStream;
 use tokio_tungstenite::tungstenite::handshake::server::create_response;
 use tokio_tungstenite::tungstenite::protocol::{Role, WebSocketConfig};
 
-use crate::client;
-use crate::gate;
 use crate::hub::Hub;
-use crate::server::Foxglove;
+use crate::terms::Terms;
+use crate::{gate, session};
 
 /// The names that the protocol has had; clients offer one or several. Their messages are the same.
 const PROTOCOLS: [&str; 2] = ["foxglove.sdk.v1", "foxglove.websocket.v1"];
 
 #[derive(Clone)]
 pub(crate) struct State {
-    pub(crate) foxglove: Foxglove,
+    pub(crate) terms: Arc<Terms>,
     pub(crate) hub: Arc<Hub>,
 }
 
 /// Admits a client, or says why not.
 pub(crate) async fn open(
-    extract::State(State { foxglove, hub }): extract::State<State>,
+    extract::State(State { terms, hub }): extract::State<State>,
     mut request: Request,
 ) -> Response {
-    let visitor = match gate::admit(&foxglove.0, &request) {
+    let visitor = match gate::admit(&terms, &request) {
         Ok(visitor) => visitor,
-        Err(error) => return refuse(&foxglove, &request, error),
+        Err(error) => return refuse(&terms, &request, error),
     };
     let response = match answer(&request) {
         Ok(response) => response,
-        Err(error) => return refuse(&foxglove, &request, error),
+        Err(error) => return refuse(&terms, &request, error),
     };
-    let Some(seat) = foxglove.seat() else {
-        let most = foxglove.0.section.max_clients;
+    let Some(seat) = terms.seat() else {
+        let most = terms.section.max_clients;
         let message = format!("{most} clients are connected already");
         let error = RpcError::new(StatusCode::SERVICE_UNAVAILABLE, Code::TooManyStreams, message);
         let error = error.help("foxglove.max_clients of the configuration is the limit");
-        return refuse(&foxglove, &request, error);
+        return refuse(&terms, &request, error);
     };
     let upgrading = hyper::upgrade::on(&mut request);
     let peer = request.extensions().get::<Peer>().copied();
@@ -54,14 +53,14 @@ pub(crate) async fn open(
     tokio::spawn(async move {
         match upgrading.await {
             Ok(upgraded) => {
-                let longest = Some(foxglove.0.longest);
+                let longest = Some(terms.longest);
                 let limits = WebSocketConfig::default()
                     .max_message_size(longest)
                     .max_frame_size(longest)
                     .write_buffer_size(0);
                 let stream = TokioIo::new(upgraded);
                 let socket = WebSocketStream::from_raw_socket(stream, Role::Server, Some(limits));
-                client::serve(&foxglove, &hub, visitor, peer, socket.await).await;
+                session::serve(&terms, &hub, visitor, peer, socket.await).await;
             }
             Err(error) => tracing::debug!("foxglove: a client left early: {error}"),
         }
@@ -70,8 +69,8 @@ pub(crate) async fn open(
     response
 }
 
-fn refuse(foxglove: &Foxglove, request: &Request, error: RpcError) -> Response {
-    foxglove.refuse(request, error.message());
+fn refuse(terms: &Terms, request: &Request, error: RpcError) -> Response {
+    terms.refuse(request, error.message());
     error.into_response()
 }
 
