@@ -70,6 +70,7 @@ mod state;
 mod statistics;
 pub mod supervision;
 mod tokens;
+mod type_kind;
 mod values;
 mod web;
 mod withheld;
@@ -135,6 +136,7 @@ pub use supervision::{
     SupervisionEntry, Whose,
 };
 pub use tokens::{Reloaded, TokenEntry, TokenFile};
+pub use type_kind::{TypeKind, TypeMember};
 pub use values::{Form, StreamEnd, StreamParameters};
 pub use web::{Link, LinkRequest};
 pub use withheld::{Cleared, Withheld, WithheldFor};
