@@ -349,7 +349,7 @@ impl Instance {
                 name: codel.name.clone(),
                 owner: owner_name(model, codel.owner).to_owned(),
                 durations: figures.durations.read(),
-                yielded: self.plan().yields(ix).told(self.plan(), &figures.yielded),
+                yielded: self.plan().yields(ix).told(self.plan().events(), &figures.yielded),
                 wcet_ns: codel.wcet.map(nanos),
                 above_wcet: figures.above_wcet.read(),
             }

@@ -218,7 +218,7 @@ mod tests {
         };
         let node = |number: usize| Node {
             name: format!("component_{number}"),
-            cell: (number % 6 > 0).then(|| format!("c{}", number % 6)),
+            cell: (!number.is_multiple_of(6)).then(|| format!("c{}", number % 6)),
             left: (0..4).map(|port| format!("in_{port}")).collect(),
             right: (0..4).map(|port| format!("out_{port}")).collect(),
             ..Node::default()

@@ -2,9 +2,9 @@
 
 use genom_description::model::{Codel, CodelIx, CodelKind, Component, Indexed, Owner, ServiceIx};
 
+use super::event::{Event, Meaning};
 use super::machine::Transition;
 use super::service::ServicePlan;
-use super::{Meaning, Plan};
 use crate::body::{EventId, Returned};
 use crate::histogram::Counter;
 
@@ -53,24 +53,24 @@ impl Yields {
         usize::from(place)
     }
 
-    /// What was returned at least once, by the name that codels use, and how often.
-    pub(crate) fn told(&self, plan: &Plan, counts: &[Counter]) -> Vec<(String, u64)> {
+    /// What was returned at least once, by the name that codels use, and how often; `events` are those
+    /// of the plan.
+    pub(crate) fn told(&self, events: &[Event], counts: &[Counter]) -> Vec<(String, u64)> {
         let names = ["ok".to_owned(), "other".to_owned()].into_iter();
-        let names = names.chain(self.events.iter().map(|event| name(plan, *event)));
+        let names = names.chain(self.events.iter().map(|event| name(events, *event)));
         let all = names.zip(counts).map(|(name, count)| (name, count.read()));
         all.filter(|(_, count)| *count > 0).collect()
     }
 }
 
 /// `main`, `pause::main`, `::demo::OUT_OF_RANGE`.
-fn name(plan: &Plan, event: EventId) -> String {
-    let whole = plan.event_name(event);
-    let state = matches!(
-        plan.events().get(usize::from(event.0)).map(|event| event.meaning),
-        Some(Meaning::State { .. })
-    );
+fn name(events: &[Event], event: EventId) -> String {
+    let Some(Event { name: whole, meaning }) = events.get(usize::from(event.0)) else {
+        return String::new();
+    };
+    let state = matches!(meaning, Meaning::State { .. });
     let own = whole.strip_prefix("::").and_then(|name| name.split_once("::"));
-    own.filter(|_| state).map_or(whole, |(_, name)| name).to_owned()
+    own.filter(|_| state).map_or(whole.as_str(), |(_, name)| name).to_owned()
 }
 
 /// The places of all codels.

@@ -13,7 +13,7 @@ const TEXTS: &[(&str, usize, &str)] = &[
     ("daemon/genomctl/src/apart.rs", 2, "goes into a report as it is"),
     ("daemon/genomctl/src/bench/mod.rs", 3, "goes into the report as it is"),
     ("daemon/genomctl/src/times.rs", 1, "a parser of clap, which prints the text"),
-    ("daemon/genomctl/src/verbs/test.rs", 1, "goes into the report as it is"),
+    ("daemon/genomctl/src/verbs/test/mod.rs", 1, "goes into the report as it is"),
     (
         "daemon/genomctl/src/verbs/verify/given.rs",
         4,

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use genom_description::{Options, preprocess, read};
 use genom_protocol::TaskEntry;
-use genom_runtime::{ACTIVITY_LIMIT, Plan, TaskOptions};
+use genom_runtime::{ACTIVITY_LIMIT, Plan, PlanError, TaskOptions};
 use genom_scenario::{Outcome, Played, Run, Scenario};
 use genom_stage::{Component, NotPlayed};
 
@@ -13,7 +13,9 @@ use genom_stage::{Component, NotPlayed};
 pub(super) async fn play(scenario: &Scenario, run: &Run, limit: Duration) -> (Outcome, Played) {
     let component = match component(run) {
         Ok(component) => component,
-        Err(why) => return (Outcome::not_begun(scenario, &why), Played::default()),
+        Err(error) => {
+            return (Outcome::not_begun(scenario, &error.to_string()), Played::default());
+        }
     };
     let script = run.script.clone();
     // It waits for threads, which nobody else does here.
@@ -48,7 +50,18 @@ fn told(error: &NotPlayed) -> String {
     }
 }
 
-fn component(run: &Run) -> Result<Component, String> {
+/// Why there is no component to play a run on.
+#[derive(Debug, thiserror::Error)]
+enum ComponentError {
+    #[error("{0} has errors: see `genomctl check`")]
+    Description(String),
+    #[error("{0} do not describe that one component")]
+    NotOne(String),
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+}
+
+fn component(run: &Run) -> Result<Component, ComponentError> {
     let preprocess = preprocess::Options {
         include_dirs: run.include.clone(),
         defines: run.define.clone(),
@@ -58,7 +71,7 @@ fn component(run: &Run) -> Result<Component, String> {
     let files: Vec<String> =
         run.description.iter().map(|file| file.display().to_string()).collect();
     if analysis.has_errors() {
-        return Err(format!("{} has errors: see `genomctl check`", files.join(", ")));
+        return Err(ComponentError::Description(files.join(", ")));
     }
     let specification = Arc::new(analysis.specification);
     let mut all = specification.components.iter();
@@ -67,9 +80,9 @@ fn component(run: &Run) -> Result<Component, String> {
         None => (specification.components.len() == 1).then_some(0),
     };
     let Some(place) = place else {
-        return Err(format!("{} do not describe that one component", files.join(", ")));
+        return Err(ComponentError::NotOne(files.join(", ")));
     };
-    let plan = Plan::new(&specification, place).map_err(|error| error.to_string())?;
+    let plan = Plan::new(&specification, place)?;
     let options = |(name, entry): (&String, &TaskEntry)| {
         let period = entry.period_ms.and_then(|ms| Duration::try_from_secs_f64(ms / 1e3).ok());
         (name.clone(), TaskOptions { period, ..TaskOptions::default() })
