@@ -24,39 +24,58 @@ impl System {
     #[must_use]
     pub fn internal(&self, state: &State) -> Vec<Action> {
         let mut actions = Vec::new();
+        self.any_internal(state, &mut |action| {
+            actions.push(action);
+            false
+        });
+        actions
+    }
+
+    /// Whether `wanted` accepts one of them; no more are shown to it then.
+    pub(crate) fn any_internal(
+        &self,
+        state: &State,
+        wanted: &mut dyn FnMut(Action) -> bool,
+    ) -> bool {
         if state.phase == Phase::Stopped {
-            return actions;
+            return false;
         }
         if let Phase::Starting(task) = state.phase
             && state.tasks[usize::from(task)].at == At::Absent
+            && wanted(Action::Start)
         {
-            actions.push(Action::Start);
+            return true;
         }
-        if self.advances(state) {
-            actions.push(Action::Advance);
+        if self.advances(state) && wanted(Action::Advance) {
+            return true;
         }
+        let starting = matches!(state.phase, Phase::Starting(_));
         for (task, at) in state.tasks.iter().zip(0..) {
-            match task.at {
-                At::Begin { .. } => actions.push(Action::Begin(at)),
-                At::Sleep if task.runnable => actions.push(Action::Begin(at)),
-                At::Wake => actions.push(Action::Wake(at)),
-                _ => {}
+            let action = match task.at {
+                At::Begin { .. } => Action::Begin(at),
+                At::Sleep if task.runnable && (starting || self.is_looked_at(at)) => {
+                    Action::Begin(at)
+                }
+                At::Wake => Action::Wake(at),
+                _ => continue,
+            };
+            if wanted(action) {
+                return true;
             }
         }
         // Control attends from the end of the start-up on.
-        if !matches!(state.phase, Phase::Starting(_)) {
+        if !starting {
             let full = |(task, _): &(&crate::state::Task, u16)| !task.outbox.is_empty();
-            let full: Vec<u16> =
-                state.tasks.iter().zip(0..).filter(full).map(|(_, at)| at).collect();
-            actions.extend((full.len() > 1).then_some(Action::Collect(None)));
-            actions.extend(full.into_iter().map(|at| Action::Collect(Some(at))));
-        }
-        for worker in &state.workers {
-            if matches!(worker.pc, Pc::Wake(_) | Pc::Conclude) {
-                actions.push(Action::Proceed(worker.service));
+            let full = state.tasks.iter().zip(0..).filter(full).map(|(_, at)| at);
+            let all = (full.clone().count() > 1).then_some(None);
+            let collects = all.into_iter().chain(full.map(Some)).map(Action::Collect);
+            if collects.into_iter().any(&mut *wanted) {
+                return true;
             }
         }
-        actions
+        let due = |pc: Pc| matches!(pc, Pc::Wake(_) | Pc::Conclude);
+        let mut workers = state.workers.iter().filter(|worker| due(worker.pc));
+        workers.any(|worker| wanted(Action::Proceed(worker.service)))
     }
 
     /// Periodic tasks that a shutdown may wake before their ticks.

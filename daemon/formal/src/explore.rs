@@ -4,9 +4,10 @@ use std::fmt;
 use std::time::{Duration, Instant};
 
 use indexmap::IndexSet;
+use rustc_hash::FxBuildHasher;
 
 use crate::action::Action;
-use crate::pack::{packed, unpacked};
+use crate::pack::{pack, packed, unpacked};
 use crate::state::State;
 use crate::system::System;
 
@@ -54,7 +55,7 @@ impl fmt::Display for Limit {
 /// States that were reached, in order of their distance from the first one.
 #[derive(Debug)]
 pub struct Explored {
-    states: IndexSet<Box<[u8]>>,
+    states: IndexSet<Box<[u8]>, FxBuildHasher>,
     /// For each state, the one before it and the number of the step between them.
     before: Vec<(u32, u16)>,
     /// Number of steps between them.
@@ -88,13 +89,13 @@ impl Explored {
     ) -> Self {
         let begin = Instant::now();
         let mut all = Self {
-            states: IndexSet::from([packed(&system.initial(false))]),
+            states: IndexSet::from_iter([packed(&system.initial(false))]),
             before: vec![(0, 0)],
             steps: 0,
             limit: None,
             took: Duration::ZERO,
         };
-        let (mut at, mut bytes, mut told) = (0, 0, Vec::new());
+        let (mut at, mut bytes, mut told, mut next) = (0, 0, Vec::new(), Vec::new());
         while let Some(state) = all.states.get_index(at).map(|bytes| unpacked(bytes)) {
             let number = u32::try_from(at).unwrap_or(u32::MAX);
             let enabled = system.enabled(&state);
@@ -102,12 +103,12 @@ impl Explored {
                 break;
             }
             for (action, step) in enabled.iter().zip(0u16..) {
-                let next = packed(&system.after(&state, *action, &mut told));
+                pack(&system.after(&state, *action, &mut told), &mut next);
                 told.clear();
                 all.steps += 1;
-                let length = next.len();
-                if all.states.insert(next) {
-                    bytes += length + TABLES;
+                if !all.states.contains(next.as_slice()) {
+                    all.states.insert(next.as_slice().into());
+                    bytes += next.len() + TABLES;
                     all.before.push((number, step));
                 }
             }

@@ -1,89 +1,142 @@
 //! Ticks of components that are too large to see all their zones: from sums, and from what happens
 //! if clients request few services.
 
-use crate::explore::{Limit, Limits};
+use crate::codels::small;
+use crate::explore::Limits;
 use crate::played::Course;
 use crate::property::needed;
 use crate::schedule::{Processors, Scheduled};
+use crate::services::Work;
 use crate::system::System;
-use crate::timed::{TaskReport, TimedReport, Times, walk};
+use crate::timed::{Potential, Timed, TimedReport, Times, seek};
+
+/// Time for each search for a task that is late.
+const SEARCH: std::time::Duration = std::time::Duration::from_millis(1_500);
+/// Zones of such a search.
+const ZONES: usize = 100_000;
 
 impl System {
-    /// Whether tasks end their cycles before their next ticks. A component whose zones are too many
-    /// for a first look is decided by sums where these are small enough, and by parts of it where one
-    /// of these is late.
+    /// Whether tasks end their cycles before their next ticks. Tasks that have nothing to do with
+    /// each other are looked at by themselves. What has too many zones for a first look is decided by
+    /// sums where these are small enough, and by parts of it where one of these is late.
     #[must_use]
     pub fn check_ticks(&self, times: &Times, limits: &Limits) -> TimedReport {
-        let first = self.check_times(times, &limits.first());
-        if first.limit().is_none() {
-            return first;
-        }
-        let sums = self.schedule(times, Processors::Own, 0);
-        let mut report = first;
-        report.by_sums(&sums.tasks);
-        let periodic = self.periods.iter().zip(0u16..).filter(|(period, _)| period.is_some());
-        for (at, (_, task)) in periodic.enumerate() {
-            if report.tasks[at].is_open() {
-                let parts = self.parts(&sums.tasks[at]);
-                let run = parts.iter().find_map(|part| walk(part, times, task));
-                if let Some(run) = run {
-                    report.tasks[at].overrun = self.dated(times, &run);
-                    report.tasks[at].course = Course { steps: run };
-                    report.tasks[at].open = false;
+        let mut all = TimedReport::default();
+        for (tasks, part) in self.apart() {
+            let mut found = part.check_group(times, limits, &tasks);
+            if part.looked_at.contains(&false) {
+                for (task, found) in tasks.iter().zip(&mut found.tasks) {
+                    if found.is_late() {
+                        found.course = self.course_of_all(times, limits, *task);
+                    }
                 }
             }
+            all.add(found);
         }
-        if !report.tasks.iter().any(TaskReport::is_open) {
-            report.explored.limit = None;
+        let order = |name: &str| self.plan.component().tasks.iter().position(|t| t.name == name);
+        all.tasks.sort_by_key(|task| order(&task.name));
+        all
+    }
+
+    /// A run of all tasks in which this one is late, as the runtime plays it; empty if a first look
+    /// finds none.
+    fn course_of_all(&self, times: &Times, limits: &Limits, task: u16) -> Course {
+        let late = usize::from(task);
+        let explored = Timed::until(self, times, &limits.first(), Some(late));
+        let run = explored.overruns[late].map(|overrun| explored.run_to(self, overrun));
+        Course { steps: run.unwrap_or_default() }
+    }
+
+    /// The same for the tasks that are looked at.
+    fn check_group(&self, times: &Times, limits: &Limits, tasks: &[u16]) -> TimedReport {
+        let mut report = self.check_times(times, &limits.first());
+        if report.limit().is_none() {
             return report;
         }
-        // There is more to see.
-        let mut whole = self.check_times(times, limits);
-        for (task, known) in whole.tasks.iter_mut().zip(report.tasks) {
-            if task.is_open() && !known.is_open() {
-                *task = known;
+        let sums = self.bounded(times, Processors::Own, 0);
+        let sum = |name: &str| sums.tasks.iter().find(|sum| sum.name == name);
+        for task in &mut report.tasks {
+            if let (true, Some(Ok(most))) = (task.open, sum(&task.name).map(|sum| &sum.response)) {
+                (task.open, task.response, task.bound) = (false, Some(*most), true);
+                task.slowest.clear();
             }
         }
-        if !whole.tasks.iter().any(TaskReport::is_open) {
-            whole.explored.limit = None;
+        for (task, found) in tasks.iter().zip(&mut report.tasks) {
+            let Some(sum) = sum(&found.name).filter(|_| found.open) else { continue };
+            let run = self.parts(sum).iter().find_map(|part| {
+                let limits = Limits { time: limits.time.min(SEARCH), states: ZONES, ..*limits };
+                seek(part, times, &limits, &Potential::new(part, times, *task)?)
+            });
+            if let Some(run) = run {
+                (found.overrun, found.open) = (self.dated(times, &run), false);
+                found.course = Course { steps: run };
+                // The longest cycle of what was seen need not be the longest one.
+                found.response = None;
+                found.slowest.clear();
+            }
         }
-        whole
+        if report.tasks.iter().any(|task| task.open) {
+            // There is more to see.
+            let mut whole = self.check_times(times, limits);
+            for (task, known) in whole.tasks.iter_mut().zip(report.tasks) {
+                if task.open && !known.open {
+                    *task = known;
+                }
+            }
+            report = whole;
+        }
+        if !report.tasks.iter().any(|task| task.open) {
+            report.explored.limit = None;
+        }
+        report
     }
 
     /// Parts of the component that may show that a task is late: with the services in its dearest
-    /// cycle, then with those that it may wait for; each once, without aborts, and as the bounds say.
+    /// cycle and those that it may wait for, without aborts and events; then with all services; then
+    /// as the bounds say.
     fn parts(&self, task: &Scheduled) -> Vec<Self> {
+        let services = || 0..small(self.services.len());
         let called = || task.called.iter();
-        let activities: Vec<&String> = called().filter_map(|one| one.activity.as_ref()).collect();
-        let waits = called().flat_map(|one| one.waits.iter().map(|waits| &waits.of));
-        let all: Vec<&String> = activities.iter().copied().chain(waits).collect();
-        let mut parts = Vec::new();
-        for names in [activities, all] {
-            let services = 0..crate::codels::small(self.services.len());
-            let meant = services.filter(|service| names.contains(&&self.service_name(*service)));
-            let meant: Vec<u16> = meant.flat_map(|service| needed(self, service)).collect();
-            for small in [true, false] {
-                let mut part = self.slice(&meant);
-                if small {
-                    let bounds = &mut part.bounds;
-                    (bounds.instances, bounds.abort, bounds.fire) = (1, false, false);
-                }
-                parts.push(part);
+        let mut meant: Vec<u16> = Vec::new();
+        for one in called() {
+            let named = |service: &u16| one.activity.as_ref() == Some(&self.service_name(*service));
+            meant.extend(services().filter(named));
+            for waits in &one.waits {
+                meant.extend(services().filter(|service| self.executes(*service, &waits.codel)));
             }
         }
-        parts
+        for other in &task.meanwhile {
+            meant.extend(services().filter(|service| self.runs_in(*service, &other.of)));
+        }
+        let meant: Vec<u16> = meant.into_iter().flat_map(|service| needed(self, service)).collect();
+        // Of some activities the dearest cycle has several.
+        let codels: Vec<(&Option<String>, &String)> =
+            called().map(|one| (&one.activity, &one.codel)).collect();
+        let several = codels.iter().enumerate().any(|(at, one)| codels[..at].contains(one));
+        let mut part = self.slice(&meant);
+        (part.bounds.abort, part.bounds.fire) = (false, false);
+        part.bounds.instances = if several { self.bounds.instances } else { 1 };
+        let mut whole = self.clone();
+        whole.bounds = part.bounds;
+        vec![part, whole, self.clone()]
     }
-}
 
-impl TimedReport {
-    /// Tasks that are in time by sums.
-    fn by_sums(&mut self, sums: &[Scheduled]) {
-        let limit: Option<Limit> = self.limit();
-        for (task, sum) in self.tasks.iter_mut().zip(sums) {
-            task.open = limit.is_some() && task.overrun.is_empty();
-            if let (true, Ok(response)) = (task.open, &sum.response) {
-                (task.open, task.response) = (false, Some(*response));
-            }
-        }
+    /// Whether a service, or its activity, executes a codel of this name.
+    fn executes(&self, service: u16, codel: &str) -> bool {
+        let facts = &self.services[usize::from(service)];
+        let machine = facts.machine.map(|machine| &self.machines[usize::from(machine)]);
+        let states = machine.iter().flat_map(|machine| machine.codels.iter().flatten());
+        let work = facts.work.iter().filter_map(|work| match work {
+            Work::Codel(node) | Work::Transfer(node) => Some(node),
+            Work::Abort => None,
+        });
+        states.chain(work).any(|node| self.node_name(*node) == codel)
+    }
+
+    /// Whether the activity of a service is one of this task.
+    fn runs_in(&self, service: u16, task: &str) -> bool {
+        let machine = self.services[usize::from(service)].machine;
+        let machine = machine.map(|machine| &self.machines[usize::from(machine)]);
+        machine.is_some_and(|machine| self.task_name(machine.task) == task)
     }
 }

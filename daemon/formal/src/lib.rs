@@ -8,6 +8,7 @@
 #![forbid(unsafe_code)]
 
 mod action;
+mod apart;
 mod bounds;
 mod codels;
 mod enabled;
@@ -17,6 +18,7 @@ mod found;
 mod hints;
 mod large;
 mod lock;
+mod ltl;
 mod machines;
 mod monitor;
 mod pack;
@@ -39,16 +41,19 @@ pub use export::{ExportError, Format};
 pub use found::{Found, Ticks};
 pub use hints::{Hint, hints};
 pub use lock::{Conflicts, Lock};
+pub use ltl::{Formula, FormulaError};
 pub use monitor::Fires;
 pub use played::{Call, Course, Event, Happening};
 pub use property::{Finding, Property, Report, Verdict};
 pub use schedule::{
-    Called, Cause, Change, Machine, OnMachine, Placed, Processors, Schedule, Scheduled, Threads,
-    Waits,
+    Called, Cause, Change, Machine, Meanwhile, OnMachine, Placed, Processors, Schedule, Scheduled,
+    Threads, Waits,
 };
 pub use state::{At, Life, Mode, Pc, Pending, Phase, Place, Run, State, Step, Task, Worker};
 pub use system::{Period, System};
 pub use text::text;
-pub use timed::{Dated, Duration, Overrun, TaskReport, Timed, TimedReport, Times};
+pub use timed::{
+    Dated, Duration, Longest, Overrun, Response, Seen, TaskReport, Timed, TimedReport, Times,
+};
 pub use variant::Variant;
 pub use words::Line;

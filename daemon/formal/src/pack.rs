@@ -19,6 +19,12 @@ pub(crate) fn packed(state: &State) -> Box<[u8]> {
     out.into_boxed_slice()
 }
 
+/// Writes the bytes of a state over what was there.
+pub(crate) fn pack(state: &State, out: &mut Vec<u8>) {
+    out.clear();
+    state.put(out);
+}
+
 /// The state of these bytes.
 pub(crate) fn unpacked(mut bytes: &[u8]) -> State {
     State::take(&mut bytes)

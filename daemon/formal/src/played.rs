@@ -13,6 +13,14 @@ pub struct Course {
     pub(crate) steps: Vec<(State, Action)>,
 }
 
+impl Course {
+    /// There are no steps: no run of all tasks is known.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.steps.is_empty()
+    }
+}
+
 /// Something that happens at a date.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Happening {

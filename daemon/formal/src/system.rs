@@ -34,6 +34,8 @@ pub struct System {
     pub(crate) by_period: bool,
     /// Services that clients request.
     pub(crate) clients: Vec<bool>,
+    /// Tasks that are looked at; others do nothing once requests are served.
+    pub(crate) looked_at: Vec<bool>,
 }
 
 /// Ticks of a task: at `delay + n * period` from the start of the component, in nanoseconds.
@@ -72,6 +74,7 @@ impl System {
             sinks: plan.component().sinks.iter().map(|sink| small(sink.state.index())).collect(),
             by_period: plan.steps_by_period(),
             clients: vec![true; plan.component().services.len()],
+            looked_at: vec![true; plan.component().tasks.len()],
             plan: Arc::clone(plan),
         }
     }
@@ -145,6 +148,16 @@ impl System {
 
     pub(crate) fn is_aperiodic(&self, task: u16) -> bool {
         self.periods[usize::from(task)].is_none()
+    }
+
+    /// Whether this task does anything once requests are served.
+    pub(crate) fn is_looked_at(&self, task: u16) -> bool {
+        self.looked_at[usize::from(task)]
+    }
+
+    /// Whether this task has ticks, and they are looked at.
+    pub(crate) fn ticks_of(&self, task: u16) -> bool {
+        !self.is_aperiodic(task) && self.is_looked_at(task)
     }
 
     /// Whether an aperiodic task other than this one exists, which others can wake.

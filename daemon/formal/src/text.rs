@@ -7,7 +7,7 @@ use genom_description::source::SourceMap;
 
 use crate::found::{Found, Ticks};
 use crate::property::{Finding, Verdict};
-use crate::timed::{Dated, TaskReport};
+use crate::timed::{Dated, Longest, Response, TaskReport};
 
 /// Steps shown at the end of a run with dates.
 const LAST: usize = 20;
@@ -16,8 +16,11 @@ const LAST: usize = 20;
 #[must_use]
 pub fn text(found: &Found, sources: &SourceMap) -> String {
     let mut text = format!("component {}\n", found.system.plan().component().name);
-    for (property, verdict) in &found.report.verdicts {
-        let name = property.name();
+    let report = &found.report;
+    let properties = report.verdicts.iter().map(|(property, one)| (property.name().into(), one));
+    let formulas = report.formulas.iter().map(|(formula, one)| (format!("ltl {formula}  "), one));
+    for (name, verdict) in properties.chain(formulas) {
+        let name: &str = &name;
         match verdict {
             Verdict::Holds => line(&mut text, name, "holds"),
             Verdict::Undecided(why) => line(&mut text, name, &format!("not decided: {why}")),
@@ -33,6 +36,7 @@ pub fn text(found: &Found, sources: &SourceMap) -> String {
         Ticks::Seen(times) => {
             let limit = times.limit().map(|limit| limit.to_string());
             times.tasks.iter().for_each(|one| task(&mut text, one, limit.as_deref(), sources));
+            times.responses.iter().for_each(|one| response(&mut text, one));
         }
     }
     if let Some(explored) = &found.report.explored {
@@ -78,6 +82,24 @@ fn task(text: &mut String, task: &TaskReport, limit: Option<&str>, sources: &Sou
                 let _ = writeln!(text, "    holds if {codel} takes less than {below}");
             }
         }
+    }
+}
+
+fn response(text: &mut String, response: &Response) {
+    let Response { service, begins, ends } = response;
+    let begins = longest(begins, "it is never accepted", "begins", "after it was accepted");
+    let stops = "after it was asked to stop";
+    let ends = longest(ends, "it is never asked to stop", "ends", stops);
+    line(text, "respond", &format!("activity {service} {begins}; {ends}"));
+}
+
+fn longest(longest: &Longest, never: &str, what: &str, after: &str) -> String {
+    match longest {
+        Longest::Never => never.into(),
+        Longest::Most(most) => format!("{what} at most {} {after}", duration(*most)),
+        Longest::More(more) => format!("{what} more than {} {after}, or never", duration(*more)),
+        Longest::Unbounded(why) => format!("has no time in which it {what} {after}: {why}"),
+        Longest::Undecided(why) => format!("when it {what} {after} is not decided: {why}"),
     }
 }
 

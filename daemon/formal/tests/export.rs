@@ -3,30 +3,16 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+mod support;
+
 use std::collections::BTreeSet;
-use std::sync::Arc;
 
-use genom_description::{Options, read_text};
-use genom_formal::{Bounds, ExportError, Format, Limits, System};
-use genom_runtime::Plan;
+use genom_formal::{ExportError, Format, Limits};
+use support::{DUO, limits, running};
 
-/// Two tasks whose ticks are not at the same dates.
-const DUO: &str = "component duo { ids { long shared; };
-  task fast { period 10 ms; delay 4 ms; codel<start> fa(inout shared) yield pause::start wcet 3 ms; };
-  task slow { period 40 ms; codel<start> sb(inout shared) yield work wcet 8 ms;
-    codel<work> sw() yield pause::start wcet 20 ms; }; };";
-
-fn system(text: &str) -> System {
-    let analysis =
-        read_text("duo.gen", text, &Options { standard_interface: false, ..Options::default() });
-    assert!(!analysis.has_errors(), "{:#?}", analysis.diagnostics);
-    let plan = Arc::new(Plan::new(&Arc::new(analysis.specification), 0).unwrap());
-    System::new(&plan, Bounds { kill: false, ..Bounds::default() })
-}
-
-/// However slow the machine is.
-fn limits() -> Limits {
-    Limits { time: std::time::Duration::MAX, ..Limits::default() }
+/// Their ticks are not at the same dates.
+fn shifted() -> String {
+    DUO.replace("period 10 ms;", "period 10 ms; delay 4 ms;")
 }
 
 /// What stands between `from` and the next of these characters.
@@ -36,7 +22,7 @@ fn after<'a>(text: &'a str, from: &str, ends: &[char]) -> Vec<&'a str> {
 
 #[test]
 fn tchecker_gets_all_states_and_each_step_leads_to_one() {
-    let system = system(DUO);
+    let system = running(&shifted());
     let times = system.declared_times();
     let text = system.export(Format::Tchecker, Some(&times), &limits()).unwrap();
     let declared: BTreeSet<&str> = after(&text, "\nlocation:p:", &['{']).into_iter().collect();
@@ -54,7 +40,7 @@ fn tchecker_gets_all_states_and_each_step_leads_to_one() {
 
 #[test]
 fn uppaal_gets_the_same_states_and_steps() {
-    let system = system(DUO);
+    let system = running(&shifted());
     let times = system.declared_times();
     let flat = system.export(Format::Tchecker, Some(&times), &limits()).unwrap();
     let text = system.export(Format::Uppaal, Some(&times), &limits()).unwrap();
@@ -71,7 +57,7 @@ fn uppaal_gets_the_same_states_and_steps() {
 
 #[test]
 fn clocks_want_times_of_all_codels() {
-    let system = system(&DUO.replace("wcet 8 ms", ""));
+    let system = running(&shifted().replace("wcet 8 ms", ""));
     assert_eq!(system.export(Format::Tchecker, None, &limits()), Err(ExportError::NoTimes));
     let few = Limits { states: 3, ..limits() };
     let times = system.declared_times();

@@ -142,8 +142,9 @@ fn overruns_of_random_components_are_overruns_of_the_runtime() {
             let most = least + u64::try_from(random.below(8)).unwrap() * MS / 2;
             times.set(component, &name, Duration { least, most: Some(most) });
         }
-        let report = system.check_times(&times, &limits(2000));
-        for task in report.tasks.iter().filter(|task| task.is_late()) {
+        // As `genomctl verify` does: of tasks apart the run of all tasks is played.
+        let report = system.check_ticks(&times, &limits(2000));
+        for task in report.tasks.iter().filter(|task| !task.course.is_empty()) {
             replayed += 1;
             if let Err((script, error)) = replay(&system, &times, task) {
                 let steps =

@@ -2,36 +2,21 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use std::sync::Arc;
+mod support;
 
-use genom_description::{Options, read_text};
-use genom_formal::{Bounds, Duration, Limits, System, TimedReport};
-use genom_runtime::Plan;
+use genom_formal::{Bounds, Duration, Limits, Longest, System, TimedReport};
+use support::{DUO, limits, running};
+
+#[path = "conformance/components.rs"]
+mod components;
+#[path = "conformance/random.rs"]
+mod random;
 
 const MS: u64 = 1_000_000;
 
-/// Two tasks and one exclusion: `fast` waits for `slow` at times.
-const DUO: &str = "component duo { ids { long shared; };
-  task fast { period 10 ms; codel<start> fa(inout shared) yield pause::start wcet 3 ms; };
-  task slow { period 40 ms; codel<start> sb(inout shared) yield work wcet 8 ms;
-    codel<work> sw() yield pause::start wcet 20 ms; }; };";
-
-fn system(text: &str) -> System {
-    let analysis =
-        read_text("duo.gen", text, &Options { standard_interface: false, ..Options::default() });
-    assert!(!analysis.has_errors(), "{:#?}", analysis.diagnostics);
-    let plan = Arc::new(Plan::new(&Arc::new(analysis.specification), 0).unwrap());
-    System::new(&plan, Bounds { kill: false, ..Bounds::default() })
-}
-
-/// However slow the machine is.
-fn limits() -> Limits {
-    Limits { time: std::time::Duration::MAX, ..Limits::default() }
-}
-
 /// The two tasks, if each codel takes at least a millisecond and `sb` at most so many.
 fn duo(most: u64) -> TimedReport {
-    let system = system(DUO);
+    let system = running(DUO);
     let component = system.plan().component();
     let mut times = system.declared_times();
     for (codel, most) in [("fa", 3), ("sb", most), ("sw", 20)] {
@@ -43,8 +28,9 @@ fn duo(most: u64) -> TimedReport {
 
 #[test]
 fn a_cycle_that_ends_at_its_next_tick_is_an_overrun() {
-    // States and zones: a change of these is a change of the rules, or of the exploration.
-    for (most, overruns, size) in [(6, false, (28, 55)), (7, true, (39, 73)), (8, true, (39, 87))] {
+    // States and zones: a change of these is a change of the rules, or of the exploration. TChecker
+    // stores as many zones for 6 ms, and 77 for 8 ms: why one more is not known.
+    for (most, overruns, size) in [(6, false, (28, 51)), (7, true, (39, 70)), (8, true, (39, 76))] {
         let report = duo(most);
         assert_eq!(report.limit(), None);
         let [fast, slow] = &report.tasks[..] else { panic!("{report:?}") };
@@ -100,7 +86,7 @@ fn a_component_too_large_for_its_zones_is_decided_by_sums_or_by_a_run() {
     let activities: String = (0..4).map(activity).collect();
     let report = |period: u64| {
         let text = format!("component duo {{ task t {{ period {period} ms; }}; {activities} }};");
-        let system = system(&text);
+        let system = running(&text);
         let limits = Limits { states: 500, ..limits() };
         system.check_ticks(&system.declared_times(), &limits)
     };
@@ -112,4 +98,84 @@ fn a_component_too_large_for_its_zones_is_decided_by_sums_or_by_a_run() {
     assert!(late.tasks[0].is_late());
     let last = &late.tasks[0].overrun.last().unwrap().line;
     assert_eq!((last.who.as_str(), last.what.as_str()), ("t", "tick"));
+}
+
+#[test]
+fn clients_wait_for_a_tick_and_for_what_they_interrupt() {
+    let response = |stop: &str| {
+        let text = format!(
+            "component c {{ task t {{ period 10 ms; }};
+             activity go() {{ task t; codel<start> g0() yield pause::main wcet 1 ms;
+               codel<main> g1() yield pause::main, ether wcet 1 ms;
+               codel<stop> g2() yield {stop} wcet 2 ms; interrupts go; }}; }};"
+        );
+        let system = running(&text);
+        let found = system.respond(&system.declared_times(), &limits());
+        let [go] = &found[..] else { panic!("{found:?}") };
+        assert_eq!(go.service, "go");
+        (go.begins.clone(), go.ends.clone())
+    };
+    // Asked just after a pass began, it stops at the next tick, in 2 ms; the next one begins at the
+    // tick after that.
+    let most = |ms: u64| Longest::Most(ms * MS);
+    assert_eq!(response("ether"), (most(20), most(12)));
+    // One pause: a period more of each.
+    let (begins, ends) = response("pause::stop, ether");
+    assert!(matches!(begins, Longest::More(_)), "{begins:?}");
+    assert!(matches!(ends, Longest::Unbounded(_)), "{ends:?}");
+}
+
+/// A random component with times of a quarter of a millisecond each, and few requests.
+fn random(seed: u64) -> (System, genom_formal::Times, String) {
+    let mut random = random::Random(seed);
+    let text = components::component(&mut random);
+    let bounds = Bounds {
+        instances: 1,
+        fire: random.percent(30),
+        kill: false,
+        abort: random.percent(50),
+        ..Bounds::default()
+    };
+    let system = support::system(&text, bounds, true);
+    let mut times = system.declared_times();
+    let names: Vec<String> =
+        system.plan().component().codels.iter().map(|codel| codel.name.clone()).collect();
+    for name in names {
+        let most = u64::try_from(random.below(5)).unwrap() * MS / 4;
+        let least = if random.percent(30) { most / 2 } else { 0 };
+        let duration = Duration { least, most: Some(most) };
+        times.set(system.plan().component(), &name, duration);
+    }
+    (system, times, text)
+}
+
+#[test]
+fn tasks_apart_are_what_they_are_together_and_searches_tell_the_truth() {
+    let (mut compared, mut late, mut found, mut fewer) = (0, 0, 0, 0);
+    for seed in 0..300 {
+        let (system, times, text) = random(seed);
+        let whole = system.check_times(&times, &Limits { states: 6_000, ..limits() });
+        if whole.limit().is_some() {
+            continue;
+        }
+        let apart = system.check_ticks(&times, &limits());
+        fewer += usize::from(apart.explored.zones() < whole.explored.zones());
+        // With next to no zones, sums and the search for a late run are left.
+        let rest = system.check_ticks(&times, &Limits { states: 20, ..limits() });
+        for (at, task) in whole.tasks.iter().enumerate() {
+            let name = &task.name;
+            compared += 1;
+            late += usize::from(task.is_late());
+            assert_eq!(apart.tasks[at].is_late(), task.is_late(), "seed {seed}, {name}\n{text}");
+            assert_eq!(apart.tasks[at].response, task.response, "seed {seed}, {name}\n{text}");
+            let rest = &rest.tasks[at];
+            if !rest.is_open() {
+                assert_eq!(rest.is_late(), task.is_late(), "seed {seed}, {name}\n{text}");
+                assert!(rest.is_late() || rest.response >= task.response, "seed {seed}, {name}");
+                found += 1;
+            }
+        }
+    }
+    let counts = format!("{compared} compared, {late} late, {found} without zones, {fewer} fewer");
+    assert!(compared > 60 && late > 5 && found > 30 && fewer > 5, "{counts}");
 }

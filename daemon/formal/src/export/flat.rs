@@ -115,6 +115,7 @@ fn name(clock: Clock) -> String {
     match clock {
         Clock::Tick(task) => format!("t{task}"),
         Clock::Since(context) => format!("x{context}"),
+        Clock::Followed(_) => "followed".into(),
     }
 }
 

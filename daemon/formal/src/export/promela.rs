@@ -42,12 +42,15 @@ pub(super) fn promela(system: &System, times: Option<&Times>) -> Result<String, 
     Ok(text)
 }
 
+/// Activities that a task has at the same time, at most: its permanent one, and a place to move others
+/// over.
+pub(super) fn runs_of_task(system: &System, task: usize) -> usize {
+    let machines = system.machines.iter();
+    let own = machines.filter(|m| usize::from(m.task) == task && m.service.is_some());
+    own.count() * system.bounds.instances + 2
+}
+
 fn sizes(system: &System) -> Result<Sizes, ExportError> {
-    let instances = |task: usize| {
-        let machines = system.machines.iter();
-        let own = machines.filter(|m| usize::from(m.task) == task && m.service.is_some());
-        own.count() * system.bounds.instances
-    };
     let tasks = system.periods.len();
     let activities = system.services.iter().filter(|service| service.machine.is_some()).count();
     // With events several states of an activity may be active.
@@ -57,8 +60,7 @@ fn sizes(system: &System) -> Result<Sizes, ExportError> {
     let sizes = Sizes {
         tasks,
         states: system.plan.component().states.len().max(1),
-        // One permanent activity, and a place to move others over.
-        runs: (0..tasks).map(instances).max().unwrap_or(0) + 2,
+        runs: (0..tasks).map(|task| runs_of_task(system, task)).max().unwrap_or(2),
         places: if several { places.max(1) + 1 } else { 1 },
         pending: (activities * system.bounds.instances).max(1),
     };
@@ -291,7 +293,7 @@ fn properties(text: &mut String, system: &System) {
 }
 
 /// The contexts that may execute a codel.
-fn executors(system: &System, codel: CodelIx) -> Vec<usize> {
+pub(super) fn executors(system: &System, codel: CodelIx) -> Vec<usize> {
     let codel = crate::codels::small(codel.index());
     let machines = system.machines.iter().filter(|m| m.codels.contains(&Some(codel)));
     let mut all: Vec<usize> = machines.map(|machine| usize::from(machine.task)).collect();

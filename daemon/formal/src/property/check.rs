@@ -2,8 +2,9 @@
 
 use super::parts::Parts;
 use super::verdict::{Property, Verdict};
-use super::{graph, order, untimed};
+use super::{answer, graph, order, untimed};
 use crate::explore::{Explored, Limits};
+use crate::ltl::Formula;
 use crate::system::System;
 
 /// Verdicts, and how they were found.
@@ -11,6 +12,8 @@ use crate::system::System;
 pub struct Report {
     /// Each property that was asked for, in the order of [`Property::ALL`].
     pub verdicts: Vec<(Property, Verdict)>,
+    /// Formulas of users.
+    pub formulas: Vec<(Formula, Verdict)>,
     /// The states that were explored; `None` if no property needed that.
     pub explored: Option<Explored>,
 }
@@ -24,9 +27,12 @@ impl System {
             Property::Loop => Some(graph::loops(self)),
             Property::Stop => Some(graph::stops(self)),
             Property::Order => Some(order::order(self)),
-            _ => None,
+            // With states of its own.
+            Property::Answer => Some(answer::answer(self, limits)),
+            Property::Start | Property::Stuck | Property::Reach | Property::Exclude => None,
         };
-        let explores = |property: &Property| asked(property) && by_graph(*property).is_none();
+        let of_states = [Property::Start, Property::Stuck, Property::Reach, Property::Exclude];
+        let explores = |property: &Property| asked(property) && of_states.contains(property);
         let all = Property::ALL;
         let some = all.iter().any(explores);
         let mut found = some.then(|| untimed::explore(self, &limits.first()));
@@ -51,6 +57,6 @@ impl System {
         };
         let asked = Property::ALL.into_iter().filter(asked);
         let verdicts = asked.filter_map(verdict).collect();
-        Report { verdicts, explored: found.map(|found| found.explored) }
+        Report { verdicts, formulas: Vec::new(), explored: found.map(|found| found.explored) }
     }
 }

@@ -47,6 +47,57 @@ pub(super) fn reached(system: &System, machine: &Machine, from: u16, now_only: b
     states
 }
 
+/// Whether a way from a state leads to the end of the activity; if `awake`, without sleep.
+pub(super) fn ends_from(system: &System, machine: &Machine, from: u16, awake: bool) -> bool {
+    let (mut seen, mut left) = (vec![from], vec![from]);
+    while let Some(state) = left.pop() {
+        let Some(codel) = machine.codel(state) else { continue };
+        for answer in &system.codels[usize::from(codel)].answers {
+            let to = match *answer {
+                Answer::End => return true,
+                Answer::Go(to) | Answer::Pause(to) => to,
+                Answer::Sleep(to) if !awake => to,
+                Answer::Sleep(_) | Answer::Ok | Answer::Fail => continue,
+            };
+            if !seen.contains(&to) {
+                seen.push(to);
+                left.push(to);
+            }
+        }
+    }
+    false
+}
+
+/// Why there is no bound on the time that an activity takes once it was asked to stop, if by its
+/// machine there is none.
+pub(crate) fn stops_late(system: &System, service: u16) -> Option<String> {
+    let machine = system.services[usize::from(service)].machine?;
+    let machine = &system.machines[usize::from(machine)];
+    machine.codel(machine.stop)?;
+    let mut states = reached(system, machine, machine.stop, false);
+    states.push(machine.stop);
+    let later = |state: u16, answer: &Answer| {
+        match *answer {
+            Answer::Sleep(to) => Some((to, true)),
+            Answer::Pause(to) => Some((to, system.is_aperiodic(machine.task))),
+            Answer::Go(to) => Some((to, false)),
+            Answer::End | Answer::Ok | Answer::Fail => None,
+        }
+        .filter(|(to, open)| {
+            *open || *to == state || reached(system, machine, *to, false).contains(&state)
+        })
+    };
+    states.into_iter().find_map(|state| {
+        let codel = machine.codel(state)?;
+        let answers = &system.codels[usize::from(codel)].answers;
+        answers.iter().find_map(|answer| later(state, answer))?;
+        let name = system.state_name(state);
+        Some(format!(
+            "once it was asked to stop, it may come back to {name} or wait there for ever"
+        ))
+    })
+}
+
 /// Cycles of states without pause in periodic tasks: the cycle of the task may never end.
 pub(super) fn loops(system: &System) -> Verdict {
     let mut found = Vec::new();

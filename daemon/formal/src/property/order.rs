@@ -28,6 +28,11 @@ pub(super) fn order(system: &System) -> Verdict {
     verdict(found)
 }
 
+/// Whether a service can run: what it needs can, in some order.
+pub(super) fn is_possible(system: &System, service: u16) -> bool {
+    has_order(system, &needed(system, service))
+}
+
 /// A service and all that have to run before it.
 pub(crate) fn needed(system: &System, service: u16) -> Vec<u16> {
     let mut needed = vec![service];

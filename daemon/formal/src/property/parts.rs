@@ -1,16 +1,15 @@
-//! What can be said of a component that is too large to see all its states: from its rules, and from
-//! what it can do if clients request one service at a time.
-
-use genom_description::model::{Codel, Owner};
+//! What can be said of a component that is too large to see all its states: from its rules, from
+//! random runs, and from what it can do if clients request one service at a time.
 
 use super::graph::reached;
 use super::order::needed;
-use super::verdict::{Property, Verdict};
+use super::seen::Seen;
+use super::untimed::{is_stuck, stuck};
+use super::verdict::{Finding, Property, Verdict, verdict};
+use super::walks::walks;
 use crate::action::Answer;
 use crate::codels::small;
 use crate::explore::{Explored, Limits};
-use crate::services::Work;
-use crate::state::{Pc, Phase};
 use crate::system::System;
 
 /// States of one part, at most.
@@ -20,35 +19,42 @@ const PART: usize = 100_000;
 pub(super) struct Parts {
     /// Requests are served in some run.
     runs: bool,
-    /// All codels and services can run.
-    all_reached: bool,
-    /// There is always a next step.
-    goes_on: bool,
+    /// What never runs; `None` if something was not seen that may be possible.
+    never: Option<Vec<Finding>>,
+    /// There is always a next step; or a part in which there is none.
+    goes_on: Option<Result<(), Finding>>,
     /// Conflicts are symmetric: who is kept out keeps out.
     symmetric: bool,
 }
 
 impl Parts {
     pub(super) fn new(system: &System, limits: &Limits) -> Self {
-        let (runs, all_reached) = shown(system, limits);
+        let seen = shown(system, limits);
+        let missing = seen.missing(system);
+        let impossible = Seen::all_but_impossible(system).missing(system);
+        let known = missing.iter().all(|one| impossible.contains(one));
         let nodes = 0..small(system.plan.nodes().len());
         let even = |a: u16| {
             let mut others = nodes.clone();
             others.all(|b| system.conflicts.between(a, b) == system.conflicts.between(b, a))
         };
-        Self { runs, all_reached, goes_on: goes_on(system), symmetric: nodes.clone().all(even) }
+        let goes_on = if goes_on(system) { Some(Ok(())) } else { stops(system, limits).map(Err) };
+        let never = known.then_some(missing);
+        Self { runs: seen.runs, never, goes_on, symmetric: nodes.clone().all(even) }
     }
 
-    /// `Holds`, if that can be said.
+    /// What can be said of a property.
     pub(super) fn verdict(&self, property: Property) -> Option<Verdict> {
-        let holds = match property {
-            Property::Start => self.runs,
-            Property::Reach => self.all_reached,
-            Property::Stuck => self.goes_on,
-            Property::Exclude => self.symmetric,
-            Property::Loop | Property::Stop | Property::Order => false,
-        };
-        holds.then_some(Verdict::Holds)
+        let holds = |holds: bool| holds.then_some(Verdict::Holds);
+        match property {
+            Property::Start => holds(self.runs),
+            Property::Reach => self.never.clone().map(verdict),
+            Property::Stuck => {
+                self.goes_on.clone().map(|one| verdict(one.err().into_iter().collect()))
+            }
+            Property::Exclude => holds(self.symmetric),
+            Property::Loop | Property::Stop | Property::Order | Property::Answer => None,
+        }
     }
 }
 
@@ -67,67 +73,62 @@ fn goes_on(system: &System) -> bool {
     ticks || system.machines.iter().filter(|m| system.is_aperiodic(m.task)).all(ends)
 }
 
-/// Whether requests are served, and all codels and services can run, by runs in which clients
-/// request few services.
-fn shown(system: &System, limits: &Limits) -> (bool, bool) {
-    let model = system.plan.component();
-    let own = |codel: &Codel| match codel.owner {
-        Owner::Service(service) => !model.services[service].standard,
-        Owner::Task(_) => true,
-    };
-    let mut unseen: Vec<bool> = model.codels.iter().map(own).collect();
-    let mut unserved: Vec<bool> =
-        system.services.iter().map(|service| service.builtin.is_none()).collect();
-    let mut runs = false;
+/// The services that runs of one part request: none, or one with all that it comes after.
+fn parts(system: &System) -> Vec<Vec<u16>> {
     let requested = |service: &u16| system.services[usize::from(*service)].builtin.is_none();
     let services = (0..small(system.services.len())).filter(requested);
     let services = services.map(|service| needed(system, service));
-    let parts: Vec<Vec<u16>> = std::iter::once(Vec::new()).chain(services).collect();
+    std::iter::once(Vec::new()).chain(services).collect()
+}
+
+/// The component with these clients; each of their services once, if `small`.
+fn slice(system: &System, services: &[u16], small: bool) -> System {
+    let mut slice = system.slice(services);
+    if small && !services.is_empty() {
+        (slice.bounds.instances, slice.bounds.requests, slice.bounds.kill) = (1, 1, false);
+    }
+    slice
+}
+
+/// A run of a part that ends where nothing is possible. It is one of the whole component, too: what
+/// clients do not ask there they need not ask.
+fn stops(system: &System, limits: &Limits) -> Option<Finding> {
+    let limits = Limits { states: limits.states.min(PART), ..*limits };
+    parts(system).iter().find_map(|part| {
+        let mut slice = system.slice(part);
+        (slice.bounds.instances, slice.bounds.requests) = (1, 1);
+        let mut found = None;
+        let explored = Explored::whilst(&slice, &limits, |number, state, enabled| {
+            found = is_stuck(state, enabled).then_some(number);
+            found.is_none()
+        });
+        found.map(|number| stuck(&explored, &slice, number))
+    })
+}
+
+/// What is seen in random runs, then in those in which clients request few services.
+fn shown(system: &System, limits: &Limits) -> Seen {
+    let mut seen = Seen::new(system);
+    walks(system, |state| {
+        seen.note(state);
+        !seen.all(system)
+    });
+    let parts = parts(system);
     // First with few clients, who let the component run; then as the bounds say.
     for (part, small) in
         parts.iter().map(|part| (part, true)).chain(parts.iter().map(|part| (part, false)))
     {
-        let last = part.first().copied();
-        let wanted = codels_of(system, last);
-        let seen = last.is_none_or(|service| !unserved[usize::from(service)])
-            && wanted.iter().all(|codel| !unseen[usize::from(*codel)]);
-        if runs && seen {
+        let service = part.first().copied();
+        let done = |seen: &Seen| seen.runs && seen.all_of(system, service);
+        if done(&seen) {
             continue;
         }
-        let mut slice = system.slice(part);
-        if small && last.is_some() {
-            (slice.bounds.instances, slice.bounds.requests, slice.bounds.kill) = (1, 1, false);
-        }
+        let slice = slice(system, part, small);
         let limits = Limits { states: limits.states.min(PART), ..*limits };
         Explored::whilst(&slice, &limits, |_, state, _| {
-            runs |= state.phase == Phase::Running;
-            for (_, node) in state.lock.holders() {
-                if let Some(unseen) = unseen.get_mut(usize::from(node)) {
-                    *unseen = false;
-                }
-            }
-            for worker in &state.workers {
-                if worker.pc == Pc::Conclude {
-                    unserved[usize::from(worker.service)] = false;
-                }
-            }
-            let served = last.is_none_or(|service| !unserved[usize::from(service)]);
-            !(runs && served && wanted.iter().all(|codel| !unseen[usize::from(*codel)]))
+            seen.note(state);
+            !done(&seen)
         });
     }
-    (runs, !unseen.contains(&true) && !unserved.contains(&true))
-}
-
-/// Codels of a service, or of all permanent activities.
-fn codels_of(system: &System, service: Option<u16>) -> Vec<u16> {
-    let machines = system.machines.iter().filter(|machine| machine.service == service);
-    let mut codels: Vec<u16> = machines.flat_map(|m| m.codels.iter().flatten().copied()).collect();
-    if let Some(service) = service {
-        let work = &system.services[usize::from(service)].work;
-        codels.extend(work.iter().filter_map(|work| match work {
-            Work::Codel(codel) => Some(*codel),
-            Work::Transfer(_) | Work::Abort => None,
-        }));
-    }
-    codels
+    seen
 }

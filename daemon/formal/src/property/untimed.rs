@@ -1,11 +1,12 @@
 //! Properties that all reachable states are looked at for.
 
-use genom_description::model::{Codel, CodelIx, Ix as _, Owner};
+use genom_description::model::{CodelIx, Ix as _};
 
+use super::seen::Seen;
 use super::verdict::{Finding, Property, Verdict, verdict};
 use crate::action::Action;
 use crate::explore::{Explored, Limits};
-use crate::state::{Pc, Phase};
+use crate::state::{Phase, State};
 use crate::system::System;
 use crate::words::Line;
 
@@ -16,29 +17,19 @@ pub(super) struct Found {
     stuck: Option<u32>,
     /// The first state in which two nodes are executed that exclude each other.
     together: Option<(u32, u16, u16)>,
-    /// Whether requests are ever served.
-    runs: bool,
-    /// Nodes that are executed in some state.
-    executed: Vec<bool>,
-    /// Services of which some request was successful.
-    served: Vec<bool>,
+    seen: Seen,
 }
 
 /// Explores the system, and keeps what properties ask for.
 pub(super) fn explore(system: &System, limits: &Limits) -> Found {
-    let nodes = system.plan.nodes().len();
-    let (mut stuck, mut together, mut runs) = (None, None, false);
-    let mut executed = vec![false; nodes];
-    let mut served = vec![false; system.services.len()];
+    let (mut stuck, mut together, mut seen) = (None, None, Seen::new(system));
     let explored = Explored::new(system, limits, |number, state, enabled: &[Action]| {
-        // While it runs it may wait for requests, which the bounds may exclude.
-        if enabled.is_empty() && !matches!(state.phase, Phase::Stopped | Phase::Running) {
+        if is_stuck(state, enabled) {
             stuck.get_or_insert(number);
         }
-        runs |= state.phase == Phase::Running;
+        seen.note(state);
         let held: Vec<(u16, u16)> = state.lock.holders().collect();
         for (at, (_, node)) in held.iter().enumerate() {
-            executed[usize::from(*node)] = true;
             let others = &held[at + 1..];
             if let Some((_, other)) =
                 others.iter().find(|(_, o)| system.conflicts.between(*node, *o))
@@ -46,11 +37,14 @@ pub(super) fn explore(system: &System, limits: &Limits) -> Found {
                 together.get_or_insert((number, *node, *other));
             }
         }
-        for worker in &state.workers {
-            served[usize::from(worker.service)] |= worker.pc == Pc::Conclude;
-        }
     });
-    Found { explored, stuck, together, runs, executed, served }
+    Found { explored, stuck, together, seen }
+}
+
+/// Whether nothing is possible although not everything has ended. While a component runs it may wait
+/// for requests, which the bounds may exclude.
+pub(super) fn is_stuck(state: &State, enabled: &[Action]) -> bool {
+    enabled.is_empty() && !matches!(state.phase, Phase::Stopped | Phase::Running)
 }
 
 impl Found {
@@ -61,7 +55,7 @@ impl Found {
             Property::Stuck => self.stuck(system),
             Property::Reach => self.reach(system),
             Property::Exclude => self.exclude(system),
-            Property::Loop | Property::Stop | Property::Order => Vec::new(),
+            Property::Loop | Property::Stop | Property::Order | Property::Answer => Vec::new(),
         };
         // A run that shows a violation is one whether all states were seen or not. What was not
         // seen yet may still be reached.
@@ -75,7 +69,7 @@ impl Found {
     }
 
     fn start(&self, system: &System) -> Vec<Finding> {
-        if self.runs {
+        if self.seen.runs {
             return Vec::new();
         }
         let what = "no run of the start codels leads to a component that serves requests".into();
@@ -84,9 +78,7 @@ impl Found {
     }
 
     fn stuck(&self, system: &System) -> Vec<Finding> {
-        let Some(number) = self.stuck else { return Vec::new() };
-        let what = "nothing can happen any more, though not everything has ended".into();
-        vec![Finding { what, span: None, run: lines(&self.explored, system, number) }]
+        self.stuck.map(|number| stuck(&self.explored, system, number)).into_iter().collect()
     }
 
     fn exclude(&self, system: &System) -> Vec<Finding> {
@@ -97,26 +89,14 @@ impl Found {
     }
 
     fn reach(&self, system: &System) -> Vec<Finding> {
-        let mut found = Vec::new();
-        let model = system.plan.component();
-        let standard = |codel: &Codel| match codel.owner {
-            Owner::Service(service) => model.services[service].standard,
-            Owner::Task(_) => false,
-        };
-        for (ix, codel) in model.codels.pairs() {
-            if !self.executed[ix.index()] && !standard(codel) {
-                let what = format!("codel {} never runs", codel.name);
-                found.push(Finding { what, span: Some(codel.span), run: Vec::new() });
-            }
-        }
-        for ((ix, service), facts) in model.services.pairs().zip(&system.services) {
-            if facts.builtin.is_none() && !self.served[ix.index()] {
-                let what = format!("no request of {} is ever accepted", service.name);
-                found.push(Finding { what, span: Some(service.span), run: Vec::new() });
-            }
-        }
-        found
+        self.seen.missing(system)
     }
+}
+
+/// A state in which nothing is possible.
+pub(super) fn stuck(explored: &Explored, system: &System, number: u32) -> Finding {
+    let what = "nothing can happen any more, though not everything has ended".into();
+    Finding { what, span: None, run: lines(explored, system, number) }
 }
 
 impl System {
@@ -134,7 +114,7 @@ impl System {
 }
 
 /// A shortest run to a state, in words.
-fn lines(explored: &Explored, system: &System, number: u32) -> Vec<Line> {
+pub(super) fn lines(explored: &Explored, system: &System, number: u32) -> Vec<Line> {
     let run = explored.run_to(system, number);
     run.iter().filter_map(|(state, action)| system.words(state, *action)).collect()
 }

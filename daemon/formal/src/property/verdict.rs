@@ -21,12 +21,22 @@ pub enum Property {
     Order,
     /// What excludes each other is never executed at the same time.
     Exclude,
+    /// Every request is answered.
+    Answer,
 }
 
 impl Property {
     /// All of them, as they are reported.
-    pub const ALL: [Self; 7] =
-        [Self::Start, Self::Stuck, Self::Reach, Self::Loop, Self::Stop, Self::Order, Self::Exclude];
+    pub const ALL: [Self; 8] = [
+        Self::Start,
+        Self::Stuck,
+        Self::Reach,
+        Self::Loop,
+        Self::Stop,
+        Self::Order,
+        Self::Exclude,
+        Self::Answer,
+    ];
 
     /// Its name.
     #[must_use]
@@ -39,6 +49,7 @@ impl Property {
             Self::Stop => "stop",
             Self::Order => "order",
             Self::Exclude => "exclude",
+            Self::Answer => "answer",
         }
     }
 }

@@ -11,6 +11,8 @@ mod requests;
 mod shutdown;
 mod task;
 
+pub(crate) use activities::runs_of;
+
 use crate::action::{Action, Told};
 use crate::state::State;
 use crate::system::System;

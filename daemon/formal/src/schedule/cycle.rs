@@ -1,7 +1,7 @@
 //! The dearest cycle of a task: codels with what they wait for.
 
 use super::alive::{dearest, services_of};
-use super::contexts::{Ahead, Contexts};
+use super::contexts::{Adds, Ahead, Contexts};
 use super::ways::{Endless, Way, Ways};
 use crate::system::System;
 use crate::timed::Times;
@@ -9,26 +9,32 @@ use crate::timed::Times;
 /// The dearest cycle of a task.
 pub(super) struct Cycle {
     pub(super) cost: u64,
+    /// What its permanent activity costs in it.
+    pub(super) permanent: u64,
     /// Activities, by machine, with the codels that they execute.
     pub(super) ways: Vec<(u16, Vec<u16>)>,
     /// For each node, what may be ahead of it.
     pub(super) ahead: Vec<Vec<Ahead>>,
 }
 
-impl Cycle {
-    /// The dearest cycle of a task. `counts` says which contexts count where it waits.
+/// What each node costs where a task executes it, and what may be ahead of it.
+pub(super) struct Costs {
+    pub(super) costs: Vec<u64>,
+    pub(super) ahead: Vec<Vec<Ahead>>,
+}
+
+impl Costs {
+    /// With what a task waits for. `counts` says which contexts count there.
     pub(super) fn new(
         system: &System,
         times: &Times,
         contexts: &Contexts,
         task: u16,
-        counts: impl Fn(u16) -> bool,
-    ) -> Result<Self, Endless> {
+        (counts, adds): (&dyn Fn(u16) -> bool, Adds),
+    ) -> Self {
         let mut ahead = vec![Vec::new(); system.plan.nodes().len()];
-        let own = system.machines.iter().filter(|machine| machine.task == task);
-        let nodes = own.flat_map(|machine| machine.codels.iter().flatten().chain(&machine.fetch));
-        for &node in nodes {
-            ahead[usize::from(node)] = contexts.ahead(system, times, (task, node), &counts);
+        for &node in contexts.of(task) {
+            ahead[usize::from(node)] = contexts.ahead(system, times, (task, node), counts, adds);
         }
         let waits =
             |node: usize| ahead[node].iter().map(|one| one.time).fold(0, u64::saturating_add);
@@ -36,7 +42,14 @@ impl Cycle {
             let most = times.of(crate::codels::small(node)).most.unwrap_or(0);
             most.saturating_add(waits(node))
         };
-        let costs: Vec<u64> = (0..ahead.len()).map(cost).collect();
+        Self { costs: (0..ahead.len()).map(cost).collect(), ahead }
+    }
+}
+
+impl Cycle {
+    /// The dearest cycle of a task, if nodes cost this.
+    pub(super) fn new(system: &System, task: u16, costs: Costs) -> Result<Self, Endless> {
+        let Costs { costs, ahead } = costs;
         let way = |machine: u16| -> Result<Way, Endless> {
             let machine = &system.machines[usize::from(machine)];
             let mut way = Ways { system, machine, costs: &costs }.cycle()?;
@@ -46,11 +59,13 @@ impl Cycle {
             }
             Ok(way)
         };
-        let permanent = system.permanent(task);
-        let first = way(permanent)?;
-        let (mut total, mut ways) = (first.cost, vec![(permanent, first.codels)]);
+        let machine = system.permanent(task);
+        let first = way(machine)?;
+        let permanent = first.cost;
+        let (mut total, mut ways) = (permanent, vec![(machine, first.codels)]);
         let mut all = Vec::new();
-        for (service, machine) in services_of(system, task) {
+        let requested = services_of(system, task).into_iter();
+        for (service, machine) in requested.filter(|(one, _)| system.clients[usize::from(*one)]) {
             all.push((service, machine, way(machine)?));
         }
         let weights: Vec<(u16, u64)> =
@@ -62,6 +77,6 @@ impl Cycle {
             }
         }
         ways.retain(|(_, codels)| !codels.is_empty());
-        Ok(Self { cost: total, ways, ahead })
+        Ok(Self { cost: total, permanent, ways, ahead })
     }
 }

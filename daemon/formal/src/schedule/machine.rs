@@ -7,8 +7,8 @@
 
 use genom_description::model::{Ix as _, TaskIx};
 
-use super::contexts::Contexts;
-use super::cycle::Cycle;
+use super::contexts::{Adds, Contexts};
+use super::cycle::{Costs, Cycle};
 use super::processors::{Load, alone, together};
 use super::report::{Cause, Scheduled};
 use crate::system::System;
@@ -165,7 +165,9 @@ impl Known<'_> {
             !task.is_some_and(preempts)
         };
         let contexts = &self.contexts[own.of];
-        Cycle::new(placed.system, &placed.times, contexts, own.task, counts).ok()
+        let counts: (&dyn Fn(u16) -> bool, Adds) = (&counts, Adds::All);
+        let costs = Costs::new(placed.system, &placed.times, contexts, own.task, counts);
+        Cycle::new(placed.system, own.task, costs).ok()
     }
 
     /// What is known of a task on these processors, all of which it may run on.
@@ -195,6 +197,7 @@ impl Known<'_> {
             response,
             work: load.work,
             called: called.unwrap_or_default(),
+            meanwhile: Vec::new(),
             preempted_by: loads.iter().map(|(other, load)| (name(*other), load.work)).collect(),
             needed: Vec::new(),
         };

@@ -5,15 +5,20 @@
 
 mod advice;
 mod alive;
+mod chain;
 mod changes;
 mod contexts;
 mod cycle;
+mod dearest;
 mod machine;
 mod processors;
 mod report;
+mod startup;
 mod text;
 mod ways;
+mod window;
 
 pub use changes::Change;
+pub(crate) use dearest::Dearest;
 pub use machine::{Machine, OnMachine, Placed, Threads};
-pub use report::{Called, Cause, Processors, Schedule, Scheduled, Waits};
+pub use report::{Called, Cause, Meanwhile, Processors, Schedule, Scheduled, Waits};

@@ -1,8 +1,10 @@
 //! What was found of the tasks of a component.
 
-use super::contexts::{Ahead, Contexts};
-use super::cycle::Cycle;
+use super::contexts::{Adds, Ahead, Contexts};
+use super::cycle::{Costs, Cycle};
 use super::processors::{Load, alone, together};
+use super::startup::Startup;
+use super::window::Window;
 use crate::codels::small;
 use crate::system::System;
 use crate::timed::Times;
@@ -41,12 +43,26 @@ pub struct Scheduled {
     pub work: u64,
     /// What it executes in that cycle, in order.
     pub called: Vec<Called>,
+    /// What it waits for in that cycle, where that is counted for the whole cycle: as much as others
+    /// execute in that time.
+    pub meanwhile: Vec<Meanwhile>,
     /// Tasks of the same or a higher priority that share its processors, with their work in each
     /// period.
     pub preempted_by: Vec<(String, u64)>,
     /// Codels, and the time below which each would have to stay so that the task is in time, the
     /// others as they are.
     pub needed: Vec<(String, u64)>,
+}
+
+/// What another task executes during a cycle.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Meanwhile {
+    /// The task.
+    pub of: String,
+    /// Cycles of it, at most.
+    pub cycles: u64,
+    /// What each executes that is waited for, at most.
+    pub each: u64,
 }
 
 /// A codel in a cycle.
@@ -87,10 +103,12 @@ pub enum Cause {
 }
 
 /// A task before it is known what others cost it.
-struct Known {
-    task: u16,
-    load: Load,
-    cycle: Option<Cycle>,
+pub(super) struct Known {
+    pub(super) task: u16,
+    pub(super) load: Load,
+    pub(super) cycle: Option<Cycle>,
+    /// What is counted for the whole cycle.
+    pub(super) meanwhile: Vec<Meanwhile>,
 }
 
 impl System {
@@ -104,8 +122,9 @@ impl System {
     }
 
     /// The same without what would have to change.
-    pub(super) fn bounded(&self, times: &Times, processors: Processors, late: u64) -> Schedule {
+    pub(crate) fn bounded(&self, times: &Times, processors: Processors, late: u64) -> Schedule {
         let contexts = Contexts::new(self);
+        let adds = if processors == Processors::Own { Adds::Chain } else { Adds::All };
         let mut known: Vec<Known> = Vec::new();
         for (period, task) in self.periods.iter().zip(0u16..) {
             let counts = |context: u16| match processors {
@@ -115,16 +134,28 @@ impl System {
                 }
                 Processors::Own | Processors::Shared(_) => true,
             };
-            let cycle = period.and_then(|_| Cycle::new(self, times, &contexts, task, counts).ok());
+            let costs = || Costs::new(self, times, &contexts, task, (&counts, adds));
+            let cycle = period.and_then(|_| Cycle::new(self, task, costs()).ok());
             let work = cycle.as_ref().map_or(0, |cycle| cycle.cost);
             let period = period.map_or(0, |period| period.period);
-            known.push(Known { task, load: Load { period, work, late, response: 0 }, cycle });
+            let load = Load { period, work, late, response: 0 };
+            known.push(Known { task, load, cycle, meanwhile: Vec::new() });
+        }
+        let startup = Startup::new(self, times, &contexts, &known);
+        let own = processors == Processors::Own;
+        if own && startup.is_regular(self) {
+            Window::new(self, times, &contexts).narrow(&mut known);
         }
         let mut order: Vec<u16> = (0..small(known.len())).collect();
         order.sort_by_key(|task| self.priority(*task));
         let mut found: Vec<(u16, Scheduled)> = Vec::new();
         for task in order.into_iter().filter(|task| !self.is_aperiodic(*task)) {
             let response = self.response(&known, &found, task, processors);
+            let response = if own {
+                startup.longer(self, &known[usize::from(task)], response)
+            } else {
+                response
+            };
             if let Ok(response) = response {
                 known[usize::from(task)].load.response = response - late;
             }
@@ -194,6 +225,7 @@ impl System {
             response,
             work: own.load.work,
             called,
+            meanwhile: own.meanwhile.clone(),
             preempted_by: preempted.collect(),
             needed: Vec::new(),
         }

@@ -80,6 +80,11 @@ fn task(text: &mut String, task: &Scheduled) {
     for one in &task.called {
         called(text, one);
     }
+    for one in &task.meanwhile {
+        let all = duration(one.cycles.saturating_mul(one.each));
+        let cycles = if one.cycles == 1 { "cycle" } else { "cycles" };
+        let _ = writeln!(text, "  {all:>12}  waits for {} {cycles} of {}", one.cycles, one.of);
+    }
     for (other, work) in &task.preempted_by {
         let _ = writeln!(text, "  {:>12}  for each cycle of task {other}", duration(*work));
     }

@@ -96,7 +96,7 @@ impl Ways<'_> {
 
     /// The dearest way from a state; with `ends_later`, one whose last codel does not end the
     /// activity.
-    fn from(&self, state: u16, ends_later: bool) -> Result<Way, Endless> {
+    pub(super) fn from(&self, state: u16, ends_later: bool) -> Result<Way, Endless> {
         let mut known = vec![Known::No; self.machine.codels.len()];
         self.look(state, ends_later, &mut known)
     }

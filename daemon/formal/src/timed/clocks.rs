@@ -1,8 +1,11 @@
 //! The clocks of a state, and how a step changes them.
 
+use std::borrow::Cow;
+
 use super::times::Times;
-use super::zone::Zone;
+use super::zone::{Guards, Zone};
 use crate::action::Action;
+use crate::codels::small;
 use crate::state::State;
 use crate::system::System;
 
@@ -13,6 +16,8 @@ pub(crate) enum Clock {
     Tick(u16),
     /// Time since a context began to execute its node.
     Since(u16),
+    /// Time since an activity is followed, of interest up to this many nanoseconds.
+    Followed(u64),
 }
 
 /// Nanoseconds as a bound of a zone.
@@ -22,20 +27,17 @@ pub(crate) fn bound(ns: u64) -> i64 {
 
 /// The clocks of a state: of periodic tasks, then of contexts whose node has a bounded duration.
 pub(crate) fn clocks(system: &System, times: &Times, state: &State) -> Vec<Clock> {
-    let ticks = system.periods.iter().zip(0..).filter(|(period, _)| period.is_some());
+    let ticks = (0..small(system.periods.len())).filter(|task| system.ticks_of(*task));
     let held = state.lock.holders().filter(|(_, node)| {
         let duration = times.of(*node);
         duration.least > 0 || duration.most.is_some()
     });
-    ticks
-        .map(|(_, task)| Clock::Tick(task))
-        .chain(held.map(|(context, _)| Clock::Since(context)))
-        .collect()
+    ticks.map(Clock::Tick).chain(held.map(|(context, _)| Clock::Since(context))).collect()
 }
 
 /// Whether something is due at once, so that no time passes.
 pub(crate) fn is_urgent(system: &System, state: &State) -> bool {
-    !system.internal(state).is_empty()
+    system.any_internal(state, &mut |_| true)
 }
 
 /// The zone of the first state: the clocks of ticks are where the delays say.
@@ -44,53 +46,53 @@ pub(crate) fn initial(system: &System, times: &Times, state: &State) -> Option<Z
         Clock::Tick(task) => {
             system.periods[usize::from(*task)].map_or(0, |p| bound((p.period - p.delay) % p.period))
         }
-        Clock::Since(_) => 0,
+        Clock::Since(_) | Clock::Followed(_) => 0,
     };
-    let values: Vec<i64> = clocks(system, times, state).iter().map(since).collect();
-    settle(system, times, state, Zone::point(&values))
+    let clocks = clocks(system, times, state);
+    let values: Vec<i64> = clocks.iter().map(since).collect();
+    settle(system, times, (state, &clocks), Zone::point(&values))
 }
 
 /// The zone before a step, as far as the step is possible in it.
-pub(crate) fn guarded(
+pub(crate) fn guarded<'z>(
     system: &System,
     times: &Times,
-    state: &State,
-    zone: &Zone,
+    (state, clocks): (&State, &[Clock]),
+    zone: &'z Zone,
     action: Action,
-) -> Option<Zone> {
-    let mut zone = zone.clone();
-    let clocks = clocks(system, times, state);
-    let place = |wanted: Clock| clocks.iter().position(|clock| *clock == wanted).map(|at| at + 1);
-    let possible = match action {
+) -> Option<Cow<'z, Zone>> {
+    let (clock, least) = match action {
         Action::Tick(task) => {
             let period = system.periods[usize::from(task)].map_or(0, |p| bound(p.period));
-            place(Clock::Tick(task)).is_none_or(|clock| zone.at_least(clock, period))
+            (Clock::Tick(task), period)
         }
         Action::Return(context, _) => {
             let node = state.lock.held_by(context)?;
-            let least = bound(times.of(node).least);
-            place(Clock::Since(context)).is_none_or(|clock| zone.at_least(clock, least))
+            (Clock::Since(context), bound(times.of(node).least))
         }
-        _ => true,
+        _ => return Some(Cow::Borrowed(zone)),
     };
-    possible.then_some(zone)
+    let Some(at) = clocks.iter().position(|known| *known == clock).filter(|_| least > 0) else {
+        return Some(Cow::Borrowed(zone));
+    };
+    let mut zone = zone.clone();
+    zone.at_least(at + 1, least).then_some(Cow::Owned(zone))
 }
 
 /// The zone after a step from a zone in which it is possible.
 pub(crate) fn stepped(
     system: &System,
     times: &Times,
-    (from, zone): (&State, &Zone),
+    (before, zone): (&[Clock], &Zone),
     action: Action,
-    to: &State,
+    (to, after): (&State, &[Clock]),
 ) -> Option<Zone> {
-    let before = clocks(system, times, from);
     let source = |clock: &Clock| {
         let begins = begins(*clock, action);
         if begins { None } else { before.iter().position(|old| old == clock).map(|at| at + 1) }
     };
-    let sources: Vec<Option<usize>> = clocks(system, times, to).iter().map(source).collect();
-    settle(system, times, to, zone.select(&sources))
+    let sources: Vec<Option<usize>> = after.iter().map(source).collect();
+    settle(system, times, (to, after), zone.select(&sources))
 }
 
 /// Whether a clock begins anew by a step, if it runs after it.
@@ -108,20 +110,36 @@ pub(crate) fn greatest(system: &System, times: &Times, state: &State, clock: Clo
     match clock {
         Clock::Tick(task) => system.periods[usize::from(task)].map(|period| period.period),
         Clock::Since(context) => state.lock.held_by(context).and_then(|node| times.of(node).most),
+        Clock::Followed(_) => None,
     }
 }
 
 /// Lets time pass in a state, for as long as it may.
-fn settle(system: &System, times: &Times, state: &State, mut zone: Zone) -> Option<Zone> {
+fn settle(
+    system: &System,
+    times: &Times,
+    (state, clocks): (&State, &[Clock]),
+    mut zone: Zone,
+) -> Option<Zone> {
     if !is_urgent(system, state) {
         zone.up();
     }
-    for (clock, at) in clocks(system, times, state).iter().zip(1..) {
-        if let Some(most) = greatest(system, times, state, *clock)
-            && !zone.at_most(at, bound(most))
-        {
+    let mut guards = Vec::with_capacity(clocks.len());
+    for (clock, at) in clocks.iter().zip(1..) {
+        let most = greatest(system, times, state, *clock).map(bound);
+        if most.is_some_and(|most| !zone.at_most(at, most)) {
             return None;
         }
+        let least = match clock {
+            Clock::Tick(_) => most,
+            Clock::Since(context) => {
+                let node = state.lock.held_by(*context);
+                node.map(|node| bound(times.of(node).least)).filter(|least| *least > 0)
+            }
+            Clock::Followed(most) => Some(bound(*most)),
+        };
+        guards.push(Guards { least, most });
     }
+    zone.extrapolate(&guards);
     Some(zone)
 }

@@ -3,15 +3,20 @@
 mod clocks;
 mod dates;
 mod explore;
+mod potential;
 mod report;
+mod respond;
+mod seek;
 mod slack;
+mod table;
 mod times;
-mod walk;
 mod zone;
 
 pub(crate) use clocks::{Clock, begins, clocks, greatest, is_urgent};
 pub(crate) use dates::dates;
 pub use explore::{Overrun, Timed};
-pub use report::{Dated, TaskReport, TimedReport};
+pub(crate) use potential::Potential;
+pub use report::{Dated, Seen, TaskReport, TimedReport};
+pub use respond::{Longest, Response};
+pub(crate) use seek::seek;
 pub use times::{Duration, Times};
-pub(crate) use walk::walk;

@@ -2,6 +2,7 @@
 
 use super::dates::dates;
 use super::explore::Timed;
+use super::respond::Response;
 use super::slack::involved;
 use super::times::Times;
 use crate::action::Action;
@@ -12,12 +13,37 @@ use crate::system::System;
 use crate::words::Line;
 
 /// What was found about the time of a component.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct TimedReport {
     /// Periodic tasks in the model's order.
     pub tasks: Vec<TaskReport>,
+    /// How long clients of activities wait, if that was asked for.
+    pub responses: Vec<Response>,
     /// What was explored.
-    pub explored: Timed,
+    pub explored: Seen,
+}
+
+/// How much was explored.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Seen {
+    states: usize,
+    zones: usize,
+    /// What ended the exploration before all was seen.
+    pub limit: Option<Limit>,
+}
+
+impl Seen {
+    /// Number of states, without values of clocks.
+    #[must_use]
+    pub fn states(&self) -> usize {
+        self.states
+    }
+
+    /// Number of zones: those that no other one includes.
+    #[must_use]
+    pub fn zones(&self) -> usize {
+        self.zones
+    }
 }
 
 /// A task that has a period.
@@ -33,9 +59,11 @@ pub struct TaskReport {
     /// A run to the end of a cycle that may take that long; empty if none was seen. Dates are the
     /// earliest ones.
     pub slowest: Vec<Dated>,
+    /// The response is a bound by sums, above which none is; it may be that none is that long.
+    pub bound: bool,
     /// A run in which a tick comes while the task is at work; empty if there is none.
     pub overrun: Vec<Dated>,
-    /// The same run, step by step.
+    /// A run of all tasks to an overrun, step by step; empty if there is none, or none was found.
     pub course: Course,
     /// Codels, and the time in nanoseconds below which each would have to stay so that there is no
     /// such run, the others as they are.
@@ -59,6 +87,7 @@ impl System {
     pub fn check_times(&self, times: &Times, limits: &Limits) -> TimedReport {
         let explored = Timed::new(self, times, limits);
         let periodic = self.periods.iter().enumerate();
+        let periodic = periodic.filter(|(at, _)| self.looked_at[*at]);
         let task = |(at, period): (usize, &Option<crate::Period>)| {
             let run = explored.overruns[at].map(|overrun| explored.run_to(self, overrun));
             let run = run.unwrap_or_default();
@@ -73,6 +102,7 @@ impl System {
                 name: self.task_name(crate::codels::small(at)),
                 period: (*period)?.period,
                 response: explored.responses[at].flatten(),
+                bound: false,
                 open: run.is_empty() && explored.limit.is_some(),
                 slowest: explored.slowest[at]
                     .map(|end| self.dated(times, &explored.run_to(self, end)))
@@ -82,7 +112,10 @@ impl System {
                 needed: needed.into_iter().map(named).collect(),
             })
         };
-        TimedReport { tasks: periodic.filter_map(task).collect(), explored }
+        let tasks = periodic.filter_map(task).collect();
+        let (states, zones) = (explored.states(), explored.zones());
+        let explored = Seen { states, zones, limit: explored.limit };
+        TimedReport { tasks, responses: Vec::new(), explored }
     }
 
     /// What happens on the way to an overrun, with dates.
@@ -143,6 +176,14 @@ impl TaskReport {
 }
 
 impl TimedReport {
+    /// Adds what was found of other tasks.
+    pub(crate) fn add(&mut self, other: Self) {
+        self.tasks.extend(other.tasks);
+        self.explored.states += other.explored.states;
+        self.explored.zones += other.explored.zones;
+        self.explored.limit = self.explored.limit.or(other.explored.limit);
+    }
+
     /// What ended the exploration before all was seen.
     #[must_use]
     pub fn limit(&self) -> Option<Limit> {

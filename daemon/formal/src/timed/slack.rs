@@ -10,7 +10,9 @@ use crate::system::System;
 /// Times are found to this many nanoseconds.
 const STEP: u64 = 1_000;
 /// Zones of an exploration that is repeated with other times.
-const MOST: usize = 20_000;
+const MOST: usize = 5_000;
+/// The part of the time of a search that all of them together get.
+const PART: u32 = 20;
 
 /// The codels in the last cycle of a task in a run, and those of other contexts meanwhile.
 pub(super) fn involved(run: &[(State, Action)], task: u16) -> Vec<u16> {
@@ -41,8 +43,11 @@ impl System {
         if zones > MOST {
             return Vec::new();
         }
+        let begin = std::time::Instant::now();
+        let time = limits.time / PART;
         let holds = |codel: u16, most: u64| {
-            let timed = Timed::new(self, &times.with_most(codel, most), limits);
+            let times = times.with_most(codel, most);
+            let timed = Timed::until(self, &times, limits, Some(task));
             timed.limit.is_none() && timed.overruns[task].is_none()
         };
         let bound = |codel: &u16| {
@@ -59,6 +64,7 @@ impl System {
             }
             Some((*codel, wrong))
         };
-        codels.iter().filter_map(bound).collect()
+        let in_time = |_: &&u16| begin.elapsed() < time;
+        codels.iter().take_while(in_time).filter_map(bound).collect()
     }
 }

@@ -13,6 +13,15 @@ pub(crate) struct Zone {
     bounds: Box<[i64]>,
 }
 
+/// What later steps compare a clock with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Guards {
+    /// The greatest value that it has to have reached.
+    pub(crate) least: Option<i64>,
+    /// The greatest value that it must not pass.
+    pub(crate) most: Option<i64>,
+}
+
 fn sum(a: i64, b: i64) -> i64 {
     if a == NONE || b == NONE { NONE } else { a + b }
 }
@@ -80,6 +89,63 @@ impl Zone {
         }
     }
 
+    /// Adds values that no guard tells from those that are there, or from which less is possible:
+    /// `least` and `most` are the greatest values that later steps compare each clock with, from
+    /// below and from above (Behrmann, Bouyer, Larsen, Pelanek: Lower and Upper Bounds in Zone-Based
+    /// Abstractions of Timed Automata, 2006). Values beyond `most` are left out.
+    pub(crate) fn extrapolate(&mut self, guards: &[Guards]) {
+        let size = self.size;
+        let at_least: Vec<i64> = (0..size).map(|clock| -self.bound(0, clock)).collect();
+        for i in 0..size {
+            for j in 0..size {
+                if i == j {
+                    continue;
+                }
+                let bound = self.bound(i, j);
+                let above = i > 0 && {
+                    let least = guards[i - 1].least;
+                    least.is_none_or(|least| bound > least || at_least[i] > least)
+                };
+                let free = j > 0 && guards[j - 1].most.is_none_or(|most| at_least[j] > most);
+                if i > 0 && (above || free) {
+                    self.bounds[i * size + j] = NONE;
+                } else if free {
+                    self.bounds[j] = -guards[j - 1].most.unwrap_or(0);
+                }
+            }
+        }
+        for (clock, guards) in (1..size).zip(guards) {
+            if let Some(most) = guards.most {
+                let bound = &mut self.bounds[clock * size];
+                *bound = (*bound).min(most);
+            }
+        }
+        self.close();
+    }
+
+    /// Makes each bound the least that follows from all others.
+    fn close(&mut self) {
+        for over in 0..self.size {
+            for i in 0..self.size {
+                let to = self.bound(i, over);
+                if to == NONE || i == over {
+                    continue;
+                }
+                for j in 0..self.size {
+                    let way = sum(to, self.bound(over, j));
+                    if way < self.bound(i, j) {
+                        self.bounds[i * self.size + j] = way;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The greatest value of a clock less another one.
+    pub(crate) fn difference(&self, i: usize, j: usize) -> Option<i64> {
+        Some(self.bound(i, j)).filter(|bound| *bound != NONE)
+    }
+
     /// Clock by clock, the one of this zone that it is (from 1), or `None` for a new one at zero.
     pub(crate) fn select(&self, clocks: &[Option<usize>]) -> Self {
         let size = clocks.len() + 1;
@@ -122,6 +188,25 @@ mod tests {
         let next = zone.select(&[Some(2), None]);
         assert_eq!([next.most(1), next.most(2)], [Some(8), Some(0)]);
         assert!(!next.clone().at_least(2, 1) && next.clone().at_least(1, 8));
+    }
+
+    #[test]
+    fn what_began_later_can_do_all_that_what_began_before_can() {
+        let guards =
+            |least| [Guards { least: Some(10), most: Some(10) }, Guards { least, most: Some(5) }];
+        // A clock that ends by 5, begun when the other one was at 2, and at 3.
+        let began = |date: i64, least: Option<i64>| {
+            let mut zone = Zone::point(&[date, 0]);
+            zone.up();
+            assert!(zone.at_most(1, 10) && zone.at_most(2, 5));
+            zone.extrapolate(&guards(least));
+            zone
+        };
+        assert_eq!(began(3, None).most(1), Some(8));
+        assert!(began(3, None).includes(&began(2, None)));
+        assert!(!began(2, None).includes(&began(3, None)));
+        // Not so if it must last for a time.
+        assert!(!began(3, Some(4)).includes(&began(2, Some(4))));
     }
 
     #[test]

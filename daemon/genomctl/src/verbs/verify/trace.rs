@@ -39,14 +39,17 @@ pub(super) fn write(files: &[PathBuf], all: &[Told], session: &Session) -> Resul
     let mut runs = Vec::new();
     for told in all {
         let (Ticks::Seen(report), Some(times)) = (&told.found.ticks, &told.times) else { continue };
-        for task in report.tasks.iter().filter(|task| task.is_late()) {
+        for task in report.tasks.iter().filter(|task| !task.course.is_empty()) {
             let happenings = told.found.system.happenings(times, &task.course);
             runs.push(Traced { told, task, happenings });
         }
     }
     for file in files {
         if runs.is_empty() {
-            session.tell(&format!("{}: not written: no task is late", file.display()))?;
+            session.tell(&format!(
+                "{}: not written: no run of all tasks is known in which one is late",
+                file.display()
+            ))?;
             continue;
         }
         if is_recording(file) {

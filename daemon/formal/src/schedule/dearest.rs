@@ -1,0 +1,73 @@
+//! The dearest ways of a task's activities, state by state, with what they may wait for.
+
+use super::contexts::{Adds, Contexts};
+use super::cycle::Costs;
+use super::ways::Ways;
+use crate::codels::small;
+use crate::system::System;
+use crate::timed::Times;
+
+/// What the states of a machine cost.
+struct Machine {
+    begun: u64,
+    stop: Option<u64>,
+    /// For each state, the dearest way from it on, the dearest that does not end the activity, and
+    /// what its own codel costs of these.
+    from: Vec<(u64, u64, u64)>,
+}
+
+/// What may follow in one cycle of a task.
+pub(crate) struct Dearest {
+    machines: Vec<Option<Machine>>,
+}
+
+impl Dearest {
+    /// `None` if a cycle may have no end.
+    pub(crate) fn new(system: &System, times: &Times, task: u16) -> Option<Self> {
+        let contexts = Contexts::new(system);
+        let all = |_: u16| true;
+        let costs = Costs::new(system, times, &contexts, task, (&all, Adds::Chain)).costs;
+        let machine = |machine: &crate::machines::Machine| {
+            if machine.task != task {
+                return Some(None);
+            }
+            let ways = Ways { system, machine, costs: &costs };
+            let cost = |state: u16, later: bool| ways.from(state, later).ok().map(|way| way.cost);
+            let own = |state: u16| machine.codel(state).map_or(0, |c| costs[usize::from(c)]);
+            let states = 0..small(machine.codels.len());
+            let from =
+                states.map(|state| Some((cost(state, false)?, cost(state, true)?, own(state))));
+            let stop = machine.codel(machine.stop).and_then(|_| cost(machine.stop, false));
+            let all = cost(machine.start, true)?.saturating_add(stop.unwrap_or(0));
+            Some(Some(Machine {
+                begun: cost(machine.start, false)?.max(if stop.is_some() { all } else { 0 }),
+                stop,
+                from: from.collect::<Option<_>>()?,
+            }))
+        };
+        Some(Self { machines: system.machines.iter().map(machine).collect::<Option<_>>()? })
+    }
+
+    fn machine(&self, machine: u16) -> Option<&Machine> {
+        self.machines.get(usize::from(machine))?.as_ref()
+    }
+
+    /// An activity that begins.
+    pub(crate) fn begun(&self, machine: u16) -> u64 {
+        self.machine(machine).map_or(0, |machine| machine.begun)
+    }
+
+    /// From `stop` on, if there is such a codel.
+    pub(crate) fn stop(&self, machine: u16) -> Option<u64> {
+        self.machine(machine)?.stop
+    }
+
+    /// From a state on, with `later` without end of the activity; with `after` without the codel of
+    /// that state itself.
+    pub(crate) fn from(&self, machine: u16, state: u16, later: bool, after: bool) -> u64 {
+        let known = self.machine(machine).and_then(|m| m.from.get(usize::from(state)));
+        let Some((ends, goes_on, own)) = known.copied() else { return 0 };
+        let all = if later { goes_on } else { ends };
+        if after { all.saturating_sub(own) } else { all }
+    }
+}

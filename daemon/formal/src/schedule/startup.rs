@@ -1,0 +1,74 @@
+//! The first cycles of tasks, which begin when the task before has made its first pass, not at a tick
+//! (R1).
+
+use super::contexts::{Adds, Contexts};
+use super::cycle::Costs;
+use super::report::{Cause, Known};
+use crate::system::{Period, System};
+use crate::timed::Times;
+
+/// When first cycles are over.
+pub(super) struct Startup {
+    /// For each task, the date by which its first cycle has ended; `None` if there is no bound.
+    ends: Vec<Option<u64>>,
+    /// The longest first cycles.
+    lasts: Vec<u64>,
+}
+
+impl Startup {
+    pub(super) fn new(
+        system: &System,
+        times: &Times,
+        contexts: &Contexts,
+        known: &[Known],
+    ) -> Self {
+        let (mut begins, mut ends, mut lasts) = (0u64, Vec::new(), Vec::new());
+        for one in known {
+            let task = one.task;
+            let machine = &system.machines[usize::from(system.permanent(task))];
+            let start = |counts: &dyn Fn(u16) -> bool| {
+                let costs = Costs::new(system, times, contexts, task, (counts, Adds::Chain)).costs;
+                machine.codel(machine.start).map_or(0, |codel| costs[usize::from(codel)])
+            };
+            // In its first pass only those are there that started before.
+            let first = start(&|context| context < task);
+            let cycle = one.cycle.as_ref().map(|cycle| cycle.permanent);
+            let rest = cycle.map(|cycle| cycle.saturating_sub(start(&|_| true)));
+            let last = rest.map(|rest| rest.saturating_add(first));
+            ends.push(last.map(|last| last.saturating_add(begins)));
+            lasts.push(last.unwrap_or(0));
+            begins = begins.saturating_add(first);
+        }
+        Self { ends, lasts }
+    }
+
+    /// Whether all first cycles are over before the first tick of any task.
+    pub(super) fn is_regular(&self, system: &System) -> bool {
+        let periods = system.periods.iter().enumerate();
+        let mut periodic = periods.filter_map(|(task, period)| Some((task, (*period)?)));
+        periodic.all(|(task, period)| self.is_before(task, period))
+    }
+
+    fn is_before(&self, task: usize, period: Period) -> bool {
+        let tick = if period.delay > 0 { period.delay } else { period.period };
+        self.ends[task].is_some_and(|ends| ends < tick)
+    }
+
+    /// The longest time from a tick to the end of its cycle, if it may have been kept until the
+    /// first cycle was over.
+    pub(super) fn longer(
+        &self,
+        system: &System,
+        task: &Known,
+        response: Result<u64, Cause>,
+    ) -> Result<u64, Cause> {
+        let index = usize::from(task.task);
+        match (response, system.periods[index]) {
+            (Ok(response), Some(period)) if !self.is_before(index, period) => {
+                let all = response.saturating_add(self.lasts[index]);
+                if all < period.period { Ok(all) } else { Err(Cause::Late(all)) }
+            }
+            (response, _) => response,
+        }
+    }
+}

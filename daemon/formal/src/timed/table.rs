@@ -1,0 +1,120 @@
+//! States with values of their clocks, as they are found.
+
+use indexmap::IndexSet;
+use rustc_hash::FxBuildHasher;
+
+use super::zone::Zone;
+use crate::action::Action;
+use crate::pack::{pack, unpacked};
+use crate::state::State;
+use crate::system::System;
+
+/// Bytes that tables take for each node.
+const TABLES: usize = 48;
+
+/// A state with values of its clocks.
+#[derive(Debug)]
+struct Node {
+    /// The state, by place in the table.
+    state: usize,
+    zone: Zone,
+    /// The node before it, and the number of the step between them.
+    before: (u32, u16),
+    /// Another node has all its values and more.
+    covered: bool,
+}
+
+/// States with values of their clocks: none that another one includes.
+#[derive(Debug, Default)]
+pub(super) struct Table {
+    states: IndexSet<Box<[u8]>, FxBuildHasher>,
+    nodes: Vec<Node>,
+    /// Nodes of each state.
+    of_state: Vec<Vec<u32>>,
+    /// Memory that all takes, about.
+    pub(super) bytes: usize,
+    /// A state as bytes, while it is looked up.
+    packed: Vec<u8>,
+}
+
+impl Table {
+    /// Adds a node unless another one has all its values; returns its number.
+    pub(super) fn add(&mut self, state: &State, zone: Zone, before: (u32, u16)) -> Option<u32> {
+        pack(state, &mut self.packed);
+        let place = match self.states.get_index_of(self.packed.as_slice()) {
+            Some(place) => place,
+            None => {
+                self.bytes += self.packed.len();
+                self.of_state.push(Vec::new());
+                self.states.insert_full(self.packed.as_slice().into()).0
+            }
+        };
+        let nodes = &mut self.nodes;
+        let known = &mut self.of_state[place];
+        if known.iter().any(|node| nodes[*node as usize].zone.includes(&zone)) {
+            return None;
+        }
+        known.retain(|node| {
+            let node = &mut nodes[*node as usize];
+            node.covered = zone.includes(&node.zone);
+            !node.covered
+        });
+        let number = u32::try_from(nodes.len()).unwrap_or(u32::MAX);
+        known.push(number);
+        self.bytes += zone.bytes() + TABLES;
+        nodes.push(Node { state: place, zone, before, covered: false });
+        Some(number)
+    }
+
+    /// A node by its number, unless another one has all its values.
+    pub(super) fn get(&self, number: u32) -> Option<(State, &Zone)> {
+        let node = self.nodes.get(number as usize).filter(|node| !node.covered)?;
+        Some((unpacked(self.states.get_index(node.state)?), &node.zone))
+    }
+
+    /// Number of nodes, with those that others have all values of.
+    pub(super) fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Number of states, without values of clocks.
+    pub(super) fn states(&self) -> usize {
+        self.states.len()
+    }
+
+    /// The states, in the order in which they were found.
+    pub(super) fn all(&self) -> impl Iterator<Item = State> + '_ {
+        self.states.iter().map(|bytes| unpacked(bytes))
+    }
+
+    /// Number of zones: those that no other one includes.
+    pub(super) fn zones(&self) -> usize {
+        self.of_state.iter().map(Vec::len).sum()
+    }
+
+    /// A run to a node and a step from there: each state, and the step that leaves it.
+    pub(super) fn run_to(
+        &self,
+        system: &System,
+        (node, action): (u32, Action),
+    ) -> Vec<(State, Action)> {
+        let state = |node: u32| {
+            let node = self.nodes.get(node as usize)?;
+            self.states.get_index(node.state).map(|bytes| unpacked(bytes))
+        };
+        let mut steps: Vec<(State, Action)> =
+            state(node).map(|state| (state, action)).into_iter().collect();
+        let mut at = node;
+        while at > 0 {
+            let Some(node) = self.nodes.get(at as usize) else { break };
+            let (before, step) = node.before;
+            let Some(from) = state(before) else { break };
+            if let Some(action) = system.timed(&from).get(usize::from(step)) {
+                steps.push((from, *action));
+            }
+            at = before;
+        }
+        steps.reverse();
+        steps
+    }
+}
