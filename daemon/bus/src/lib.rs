@@ -5,7 +5,9 @@
 
 #![forbid(unsafe_code)]
 
+pub mod chronicle;
 pub mod flag;
+mod numbered;
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -17,16 +19,8 @@ use serde_json::Value;
 use tokio::sync::broadcast;
 use tokio::sync::broadcast::error::RecvError;
 
-/// A message and its number.
-#[derive(Clone, Debug)]
-pub struct Numbered {
-    /// Consecutive numbers, from 1.
-    pub id: u64,
-    /// When it was sent: see `Dates::moment`.
-    pub moment: u64,
-    /// The message, as JSON.
-    pub data: Arc<Value>,
-}
+use crate::chronicle::{Chronicle, Excerpt};
+pub use crate::numbered::Numbered;
 
 /// Number of messages kept for listeners that reconnect (`Last-Event-ID`).
 const KEPT: usize = 1024;
@@ -65,6 +59,7 @@ pub struct Numbers {
     dates: Dates,
     past: Mutex<Past>,
     live: broadcast::Sender<Numbered>,
+    chronicle: Chronicle,
 }
 
 #[derive(Debug, Default)]
@@ -101,6 +96,20 @@ impl Bus {
     /// A listener that starts after message number `after`; with `None`, after the latest one.
     pub fn listen(&self, after: Option<u64>) -> Listener {
         self.numbers.listen(after)
+    }
+
+    /// Keeps the changes of the last minutes from now on, besides the latest, which are kept anyway.
+    pub fn keep(&self) {
+        let moment = self.numbers.dates.moment();
+        // With the messages locked, so that none is added meanwhile.
+        let past = self.numbers.past.lock().unwrap_or_else(PoisonError::into_inner);
+        self.numbers.chronicle.begin(moment, || past.kept.clone());
+    }
+
+    /// At most `most` of the changes that are kept, those after number `after`; none before
+    /// [`keep`](Self::keep) was called.
+    pub fn excerpt(&self, after: u64, most: usize) -> Excerpt {
+        self.numbers.chronicle.after(after, most)
     }
 
     /// The changes from now on, for receivers that count their losses themselves.
@@ -169,7 +178,8 @@ impl Listener {
 impl Numbers {
     /// No messages yet.
     pub fn new(dates: Dates) -> Self {
-        Self { dates, past: Mutex::default(), live: broadcast::Sender::new(KEPT) }
+        let live = broadcast::Sender::new(KEPT);
+        Self { dates, past: Mutex::default(), live, chronicle: Chronicle::default() }
     }
 
     /// Gives the message a number and sends it to all listeners.
@@ -186,6 +196,7 @@ impl Numbers {
             past.kept.pop_front();
         }
         past.kept.push_back(numbered.clone());
+        self.chronicle.add(&numbered);
         // Sent under the lock, so that listeners receive messages in order of their numbers. Having
         // no listener is not an error.
         let _ = self.live.send(numbered.clone());
@@ -205,6 +216,10 @@ impl Numbers {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
+    use genom_runtime::{Clock, VirtualClock};
+
     use super::*;
 
     fn told(bus: &Bus, count: usize) {
@@ -217,6 +232,32 @@ mod tests {
             Heard::Told(change) => Ok(change.id),
             Heard::Missed { count, last } => Err((count, last)),
         }
+    }
+
+    #[test]
+    fn a_chronicle_keeps_changes_from_the_first_request_for_a_bounded_time_and_number() {
+        let time = Arc::new(VirtualClock::new());
+        let bus = Bus::new(Dates::of(&Clock::Virtual(Arc::clone(&time))));
+        told(&bus, 2);
+        assert!(bus.excerpt(0, 10).changes.is_empty());
+        bus.keep();
+        let ids = |after, most| {
+            let Excerpt { changes, missed, left, .. } = bus.excerpt(after, most);
+            (changes.iter().map(|one| one.id).collect::<Vec<_>>(), missed, left)
+        };
+        assert_eq!(ids(0, 10), (vec![1, 2], 0, 0));
+        time.step(chronicle::KEPT_FOR / 2);
+        told(&bus, 1);
+        assert_eq!(ids(1, 1), (vec![2], 0, 1));
+        // What is too old has not been missed.
+        time.step(chronicle::KEPT_FOR / 2 + Duration::from_secs(1));
+        told(&bus, 1);
+        assert_eq!(ids(0, 10), (vec![3, 4], 0, 0));
+        assert_eq!(bus.excerpt(0, 10).since, 1_000_000_000);
+        // What there is no room for has.
+        told(&bus, chronicle::MOST);
+        let (kept, missed, left) = ids(3, usize::MAX);
+        assert_eq!((kept.len(), kept[0], missed, left), (chronicle::MOST, 5, 1, 0));
     }
 
     #[tokio::test]

@@ -40,6 +40,13 @@ impl Writer {
         self.0.send_timeout(Ok(event), SLOWEST_READER).await.is_ok()
     }
 
+    /// Whether an event can be sent without waiting for the reader. A writer that has something
+    /// newer next time leaves this out instead.
+    #[must_use]
+    pub fn has_room(&self) -> bool {
+        self.0.capacity() > 0
+    }
+
     /// Waits until the reader is gone.
     pub async fn closed(&self) {
         self.0.closed().await;

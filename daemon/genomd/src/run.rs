@@ -168,6 +168,8 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     let life = Life { router: router.clone(), supervisor: Arc::clone(supervisor) };
     let mut entrances = vec![Entrance { listener, router }];
     if let Some((console, listener)) = console {
+        // For its timeline.
+        supervisor.bus.keep();
         let api = rpc::router(&daemon, &tokens, Door::proved(Arc::clone(&log)));
         entrances.push(console.entrance(listener, api));
     }

@@ -52,6 +52,7 @@ mod on_failure;
 #[cfg(feature = "openapi")]
 pub mod openapi;
 mod outcome;
+mod plots;
 mod policy;
 mod port_type;
 mod ports;
@@ -69,6 +70,7 @@ pub mod sse;
 mod state;
 mod statistics;
 pub mod supervision;
+mod timeline;
 mod tokens;
 mod type_kind;
 mod values;
@@ -112,6 +114,7 @@ pub use middlewares::{
 pub use notes::NoteKind;
 pub use on_failure::{Act, Deed, NoReaction, Reaction};
 pub use outcome::Outcome;
+pub use plots::{Column, ColumnsOfPlot, ImageParameters, Plot, PlotColumns, PlotParameters, Plots};
 pub use policy::{NoPolicy, Policy};
 pub use port_type::{MessageType, PortType};
 pub use ports::{
@@ -130,11 +133,15 @@ pub use state::{
     FrozenActivity, FrozenCall, FrozenComponent, FrozenPhase, FrozenState, FrozenValue, FrozenWait,
     Restore, Resumption,
 };
-pub use statistics::{CodelStatistics, Durations, Statistics, TaskStatistics, Yielded};
+pub use statistics::{
+    Bucket, CodelStatistics, Durations, Histograms, Statistics, TaskHistograms, TaskStatistics,
+    Yielded,
+};
 pub use supervision::{
     Beats, Broken, Condition, Kind, MOST_RULES, NoRule, OwnResponse, Response, Rule,
     SupervisionEntry, Whose,
 };
+pub use timeline::{Dated, Timeline, TimelineParameters};
 pub use tokens::{Reloaded, TokenEntry, TokenFile};
 pub use type_kind::{TypeKind, TypeMember};
 pub use values::{Form, StreamEnd, StreamParameters};

@@ -20,12 +20,13 @@ use crate::{
     BlackBoxLeft, CallParameters, CallReply, Cell, CellEnds, Cells, Change, ChangeParameters,
     Cleared, Clock, Component, ComponentReload, Components, Connection, ConnectionRequest,
     Connections, CrashReport, Crashes, Daemons, DeploymentRequest, Description, Disconnected,
-    Dumped, Findings, Fired, Frozen, GoesOn, Inputs, Link, LinkRequest, LoadRequest, LogEntry,
-    LogParameters, Logs, LookParameters, MiddlewareParameters, Middlewares, MoveRequest, Moved,
-    Port, PortParameters, PortTraffic, PortType, Ports, Published, Ready, ReadyParameters,
-    RecordingEnds, RecordingRequest, ReloadRequest, Reloaded, Replayed, Right, Service, Sources,
-    Statistics, StepRequest, Stopping, StreamParameters, TakenBack, ThawRequest, Thawed, Unloaded,
-    ValueParameters, Withheld,
+    Dumped, Findings, Fired, Frozen, GoesOn, Histograms, ImageParameters, Inputs, Link,
+    LinkRequest, LoadRequest, LogEntry, LogParameters, Logs, LookParameters, MiddlewareParameters,
+    Middlewares, MoveRequest, Moved, PlotColumns, PlotParameters, Port, PortParameters,
+    PortTraffic, PortType, Ports, Published, Ready, ReadyParameters, RecordingEnds,
+    RecordingRequest, ReloadRequest, Reloaded, Replayed, Right, Service, Sources, Statistics,
+    StepRequest, Stopping, StreamParameters, TakenBack, ThawRequest, Thawed, Timeline,
+    TimelineParameters, Unloaded, ValueParameters, Withheld,
 };
 
 /// HTTP method.
@@ -201,6 +202,8 @@ routes! {
     Put move_component(component) [Wire] "/components/{component}/backend" => MoveRequest, Moved;
     /// Statistics of the tasks and codels of a component.
     Get statistics(component) [Read] "/components/{component}/tasks", Statistics;
+    /// How often the tasks of a component took how long.
+    Get histograms(component) [Read] "/components/{component}/tasks/histograms", Histograms;
     /// Fires an event.
     Post fire(component, event) [Call] "/components/{component}/events/{event}", Fired;
     /// Describes a service.
@@ -234,6 +237,12 @@ routes! {
     /// Streams the values of a port.
     Get values(component, port) [Read] "/components/{component}/ports/{port}/stream"
         ?StreamParameters, Stream<Value>;
+    /// The value of a port as an image.
+    Get image(component, port) [Read] "/components/{component}/ports/{port}/image"
+        ?ImageParameters, Bytes;
+    /// Streams every sample of ports of a component, in columns of a plot.
+    Get plots(component) [Read] "/components/{component}/plots"
+        ?PlotParameters, Stream<PlotColumns>;
     /// Counters of a port.
     Get traffic(component, port) [Read] "/components/{component}/ports/{port}/traffic"
         ?ValueParameters, PortTraffic;
@@ -271,6 +280,8 @@ routes! {
     Post replay() [Call] "/replay" => Bytes, Replayed;
     /// Streams changes in the daemon.
     Get events() [Read] "/events" ?ChangeParameters, Stream<Change>;
+    /// Streams the changes of the last minutes, with their dates.
+    Get timeline() [Read] "/timeline/stream" ?TimelineParameters, Stream<Timeline>;
     /// Entries of the log.
     Get logs() [Read] "/logs" ?LogParameters, Logs;
     /// Streams entries of the log.

@@ -93,3 +93,36 @@ pub struct Durations {
     /// The maximum.
     pub max_ns: u64,
 }
+
+/// How often the tasks of a component took how long, since it started.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub struct Histograms {
+    /// The tasks, in order of declaration.
+    pub tasks: Vec<TaskHistograms>,
+}
+
+/// Histograms of a task.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub struct TaskHistograms {
+    /// Name of the task.
+    pub name: String,
+    /// Its period; absent if it is aperiodic.
+    pub period_ns: Option<u64>,
+    /// Execution time per tick or wake-up.
+    pub cycles: Vec<Bucket>,
+    /// Time from the date of a tick to the start of its execution.
+    pub lateness: Vec<Bucket>,
+}
+
+/// Durations in one bucket of a histogram; buckets are an eighth of a power of two wide, and empty
+/// ones are left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub struct Bucket {
+    /// Longest duration that it has, in nanoseconds.
+    pub most_ns: u64,
+    /// How many it has.
+    pub count: u64,
+}

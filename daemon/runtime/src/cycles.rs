@@ -154,6 +154,11 @@ impl Cycles {
         })
     }
 
+    /// The buckets of completed cycles that are not empty.
+    pub(crate) fn buckets(&self) -> Vec<(u64, u64)> {
+        self.over.buckets()
+    }
+
     /// Figures at this date. Quantiles and the last duration are those of completed cycles, if
     /// there are any.
     pub(crate) fn read(&self, now: u64) -> Durations {

@@ -79,6 +79,14 @@ impl Histogram {
         (self.count.load(Ordering::Relaxed), self.sum.load(Ordering::Relaxed))
     }
 
+    /// The buckets that are not empty: the longest duration of each, in nanoseconds, and how many
+    /// it has.
+    pub(crate) fn buckets(&self) -> Vec<(u64, u64)> {
+        let counts = self.buckets.iter().map(|count| u64::from(count.load(Ordering::Relaxed)));
+        let all = counts.enumerate().filter(|(_, count)| *count > 0);
+        all.map(|(bucket, count)| (upper(bucket), count)).collect()
+    }
+
     pub(crate) fn read(&self) -> Durations {
         let count = self.count.load(Ordering::Relaxed);
         let counts: Vec<u64> =
@@ -166,6 +174,9 @@ mod tests {
         assert_eq!((read.count, read.last_ns, read.max_ns), (1000, 1_000_000, 1_000_000));
         assert_eq!((read.min_ns, Histogram::default().read().min_ns), (1000, 0));
         assert_eq!(read.mean_ns, 500_500);
+        let buckets = histogram.buckets();
+        assert_eq!(buckets.iter().map(|(_, count)| count).sum::<u64>(), 1000);
+        assert!(buckets.is_sorted() && buckets[0].0 >= 1000, "{buckets:?}");
         assert!((490_000..510_000).contains(&read.p50_ns), "{}", read.p50_ns);
         assert!((980_000..=1_000_000).contains(&read.p99_ns), "{}", read.p99_ns);
     }

@@ -24,7 +24,7 @@ use crate::rules::Happening;
 use crate::running::{HeldUp, RunningCodel};
 use crate::shutdown::ShutdownError;
 use crate::start::StartError;
-use crate::statistics::{CodelStatistics, Statistics, TaskStatistics};
+use crate::statistics::{CodelStatistics, Statistics, TaskHistograms, TaskStatistics};
 use crate::ticket::Ticket;
 use crate::unpaused::Unpaused;
 use crate::waits::CannotWait;
@@ -364,6 +364,21 @@ impl Instance {
                 .collect(),
             lost_changes: shared.lost.read(),
         }
+    }
+
+    /// How often its tasks took how long, since the start.
+    #[must_use]
+    pub fn histograms(&self) -> Vec<TaskHistograms> {
+        let task = |(ix, task): (TaskIx, &genom_description::model::Task)| {
+            let shared = &self.engine.shared.tasks[ix];
+            TaskHistograms {
+                name: task.name.clone(),
+                period_ns: shared.timing.map(|timing| timing.period),
+                cycles: shared.figures.cycles.buckets(),
+                lateness: shared.figures.lateness.buckets(),
+            }
+        };
+        self.plan().component().tasks.pairs().map(task).collect()
     }
 
     /// Shuts the instance down (genom3.md 7.7): activities are asked to stop by "kill" and their

@@ -75,7 +75,7 @@ pub use rules::{
 pub use running::{HeldUp, RunningCodel, seconds};
 pub use shutdown::ShutdownError;
 pub use start::StartError;
-pub use statistics::{CodelStatistics, Statistics, TaskStatistics};
+pub use statistics::{CodelStatistics, Statistics, TaskHistograms, TaskStatistics};
 pub use ticket::Ticket;
 pub use unpaused::Unpaused;
 pub use waits::CannotWait;

@@ -55,3 +55,16 @@ pub struct CodelStatistics {
     /// Calls that took longer than that.
     pub above_wcet: u64,
 }
+
+/// Histograms of a task: durations in nanoseconds, each the longest of its bucket, and how many.
+#[derive(Clone, Debug)]
+pub struct TaskHistograms {
+    /// Name of the task.
+    pub name: String,
+    /// Time between its ticks, in nanoseconds; `None` for an aperiodic task.
+    pub period_ns: Option<u64>,
+    /// Duration of work per tick or wake-up, of completed cycles.
+    pub cycles: Vec<(u64, u64)>,
+    /// Delay from the date of a tick to the start of work.
+    pub lateness: Vec<(u64, u64)>,
+}

@@ -16,7 +16,7 @@ use crate::components::{Components, Hosted, UnloadError};
 use crate::connections::{self, Connections, Opening};
 use crate::known::Known;
 use crate::reactor::Reactions;
-use crate::recording::{BlackBox, Recordings, Session, heads};
+use crate::recording::{BlackBox, Recordings, Session, Watch, heads};
 use crate::settings::Settings;
 use crate::vigil;
 use crate::withheld::Withheld;
@@ -183,6 +183,23 @@ impl Supervisor {
     pub fn recording_ended(&self, session: &Session) {
         self.recordings.forget(session);
         self.components.all().iter().for_each(|hosted| hosted.recording_ended(session.number));
+    }
+
+    /// Takes every sample of these ports of a component, given by their addresses, from now on.
+    /// Blocks while its codels are excluded.
+    pub fn watch_ports(&self, hosted: &Hosted, ports: Vec<String>) -> Watch {
+        let watch = self.recordings.watch(ports);
+        hosted.watch(&watch);
+        watch
+    }
+
+    /// Ends a watch. Blocks while codels of that component are excluded.
+    pub fn unwatch_ports(&self, watch: &Watch, component: &str) {
+        self.recordings.unwatch(watch);
+        // Also those of one that took its place.
+        let all = self.components.all();
+        let named = all.iter().filter(|hosted| hosted.name == component);
+        named.for_each(|hosted| hosted.recording_ended(watch.number()));
     }
 
     /// Stops a component and closes its library. Blocks until its codels have ended.

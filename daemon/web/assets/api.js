@@ -38,6 +38,19 @@ async function ask(method, path, body) {
   throw new Refused(response.status, reply?.error);
 }
 
+/** The body of a reply as it is, with its headers. */
+export async function bytes(path) {
+  let response;
+  try {
+    response = await fetch(`/api${path}`, { credentials: "same-origin" });
+  } catch {
+    throw new Away();
+  }
+  if (response.ok) return { headers: response.headers, buffer: await response.arrayBuffer() };
+  if (response.status === 401) dispatchEvent(new Event("signed-out"));
+  throw new Refused(response.status, (await response.json().catch(() => null))?.error);
+}
+
 /** Path of names, each within its segment. */
 export function path(...names) {
   return names.map((name) => `/${encodeURIComponent(name)}`).join("");

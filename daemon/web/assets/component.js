@@ -1,6 +1,7 @@
 // The page of a component: its services, ports, tasks and events.
 
 import { get, path, post, told } from "./api.js";
+import { histograms } from "./heat.js";
 import { el, heads, name, note, put } from "./dom.js";
 import { tone } from "./overview.js";
 import { ports } from "./port.js";
@@ -24,6 +25,9 @@ export async function component(page, context, named) {
   const services = mine.map((one) => service(named, one, context, mine.length <= FEW || one.kind === "activity"));
   const shown = ports(named, context, () => live.watch(watched()));
   const supervised = rules();
+  const spent = services.map((one) => one.spent).filter(Boolean);
+  spent.forEach((one) => one.node.addEventListener("toggle", () => live?.watch(watched())));
+  const heats = histograms(`${own}/tasks/histograms`, () => live?.watch(watched()));
   const tasks = el("tbody");
   const table = el("div", { class: "wide" }, el("table", { class: "cards", id: "tasks" },
     heads(["Task", "#Period", "#Cycles", "#Missed", "#Work, mean", "#Longest", "#Lateness, 99 %"]), tasks));
@@ -42,7 +46,7 @@ export async function component(page, context, named) {
     described.events.length > 0 && el("section", {}, el("h2", {}, "Events"),
       el("div", { class: "row" }, described.events.map((event) => fire(named, event, context)))),
     el("section", {}, el("h2", {}, "Ports"), el("p", { class: "soft" }, "Open a port to see its value."), shown.node),
-    el("section", {}, el("h2", {}, "Tasks"), table), supervised.node);
+    el("section", {}, el("h2", {}, "Tasks"), table, heats.node), supervised.node);
 
   function takeTasks({ tasks: all }) {
     put(tasks, all.map((task) => {
@@ -76,6 +80,22 @@ export async function component(page, context, named) {
     services.forEach((one) => one.hear(change));
   }
 
+  let ahead = 0;
+  const draw = () => {
+    const now = Date.now() / 1000 + ahead;
+    spent.filter((one) => one.node.open).forEach((one) => one.draw(now));
+  };
+  const drawing = setInterval(draw, 500);
+  /** The dated changes of the last minutes, and those that come. */
+  function date({ first, changes, now }) {
+    if (first) spent.forEach((one) => one.reset());
+    ahead = now / 1e9 - Date.now() / 1000;
+    for (const { at, change } of changes) {
+      if (change.component === named) spent.find((one) => one.service === change.service)?.take(at / 1e9, change);
+    }
+    draw();
+  }
+
   const good = (take) => (body, status) => status === 200 && take(body);
   const watched = () => [
     { path: "/components", take: takeAll },
@@ -83,10 +103,15 @@ export async function component(page, context, named) {
     { path: `${own}/ports?values=false`, take: good(({ ports: all }) => shown.take(all)) },
     { path: `${own}/tasks`, take: good(takeTasks) },
     { path: `/events?only=${CHANGES}`, hear },
+    ...(spent.some((one) => one.node.open) ? [{ path: `/timeline/stream?component=${encodeURIComponent(named)}`, hear: date }] : []),
+    ...heats.watched(),
     ...shown.watched(),
   ];
   const live = context.watch(watched());
-  return () => shown.close();
+  return () => {
+    clearInterval(drawing);
+    shown.close();
+  };
 }
 
 function fire(component, event, context) {

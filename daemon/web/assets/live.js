@@ -20,10 +20,10 @@ export class Live {
   #seen = () => this.#seeing();
 
   /**
-   * `watched`: `{ path, take(body, status) }` for what is read, `{ path, hear(data, kind) }` for
-   * streams. `tell(state)` hears "live", "away", "back" (after it was away: what the page shows may
-   * be of another daemon), "values" (the first reading of everything is there) and "over" (the
-   * session has ended).
+   * `watched`: `{ path, take(body, status) }` for what is read, `{ path, hear(data, kind),
+   * ended(reason) }` for streams, `ended` if it is refused for good. `tell(state)` hears "live",
+   * "away", "back" (after it was away: what the page shows may be of another daemon), "values" (the
+   * first reading of everything is there) and "over" (the session has ended).
    */
   constructor(watched, tell, rate = 10) {
     this.#watched = watched;
@@ -85,6 +85,8 @@ export class Live {
     }
     const one = this.#watched[told.watch];
     if (told.ended) {
+      // What is asked for cannot be: asking again does not help.
+      if (told.status === 422) return one?.ended?.(told.error);
       // What was streamed is gone, or the stream was refused: the page asks again.
       clearTimeout(this.#timer);
       this.#timer = setTimeout(() => this.watch(this.#watched), 1000);

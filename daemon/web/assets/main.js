@@ -7,6 +7,7 @@ import { component } from "./component.js";
 import { graph } from "./graph.js";
 import { logs } from "./logs.js";
 import { overview } from "./overview.js";
+import { timeline } from "./timeline.js";
 
 const page = document.getElementById("page");
 const bar = document.getElementById("bar");
@@ -15,6 +16,7 @@ const PAGES = [
   [/^\/$/, "Overview", overview],
   [/^\/graph$/, "Graph", graph],
   [/^\/logs$/, "Logs and events", logs],
+  [/^\/timeline$/, "Timeline", timeline],
   [/^\/component\/([^/]+)$/, "Component", component],
 ];
 
@@ -45,7 +47,7 @@ function drawBar() {
     el("div", { class: "brand" }, el("img", { src: "/assets/icon.svg", alt: "", width: 24, height: 24 }),
       link("/", "genomd")),
     signed && el("nav", { "aria-label": "Pages" },
-      entry("/", "Overview"), entry("/graph", "Graph"), entry("/logs", "Logs")),
+      entry("/", "Overview"), entry("/graph", "Graph"), entry("/timeline", "Timeline"), entry("/logs", "Logs")),
     el("span", { class: "gap" }),
     signed && el("span", { id: "state", class: "pill", role: "status" }, "…"),
     signed && may("call") && stop,

@@ -1,12 +1,14 @@
 // The ports of a component: counters of all, and the value and a plot of those that are opened.
 
-import { path, post, told } from "./api.js";
+import { get, path, post, told } from "./api.js";
 import { el, heads, link, name, pageOf, put, text } from "./dom.js";
+import { Picture, isImage } from "./image.js";
 import { Plot } from "./plot.js";
+import { tables } from "./table.js";
 import { count, frequency, middlewares } from "./units.js";
 
-/** Values that are asked for in a second. */
-const RATE = 30;
+/** Values that are asked for in a second, as text; plots have every sample. */
+const RATE = 10;
 
 /** `component/port/element` in its parts. */
 export function parts(address) {
@@ -36,18 +38,37 @@ export function ports(component, context, changed) {
   function toggle(port, row) {
     row.open = !row.open;
     row.button.setAttribute("aria-expanded", String(row.open));
-    if (row.open) {
-      row.value = el("pre", { class: "value", tabindex: 0, role: "group", "aria-label": `Value of ${port.address}` }, "no value yet");
-      row.plot = new Plot(port.address);
-      row.detail = el("tr", { class: "detail", "data-detail": port.address }, el("td", { colspan: 6 },
-        port.doc && el("p", { class: "doc" }, port.doc),
-        el("div", { class: "watch" }, row.value, row.plot.node),
-        port.direction === "in" && context.may("call") && publisher(port)));
-      row.node.after(row.detail);
-    } else {
-      row.plot.close();
+    if (!row.open) {
+      row.plot?.close();
+      row.picture?.close();
+      row.plot = row.picture = undefined;
       row.detail.remove();
+      changed();
+      return;
     }
+    row.watch = el("div", { class: "watch" });
+    row.detail = el("tr", { class: "detail", "data-detail": port.address }, el("td", { colspan: 6 },
+      port.doc && el("p", { class: "doc" }, port.doc), row.watch,
+      port.direction === "in" && context.may("call") && publisher(port)));
+    row.node.after(row.detail);
+    fill(port, row, row.detail);
+  }
+
+  /** An image is drawn; of other values there are a text, tables and a plot. */
+  async function fill(port, row, detail) {
+    const { port: own, element } = parts(port.address);
+    const at = path("components", component, "ports", own);
+    const type = await get(`${at}/type`).catch(() => null);
+    if (!row.open || row.detail !== detail) return;
+    if (isImage(type?.message?.definition)) {
+      row.picture = new Picture(port.address, `${at}/image`, element ? [["element", element]] : []);
+      put(row.watch, row.picture.node);
+      return;
+    }
+    row.value = el("pre", { class: "value", tabindex: 0, role: "group", "aria-label": `Value of ${port.address}` }, "no value yet");
+    row.tables = el("div", { class: "tables" });
+    row.plot = new Plot(port.address, changed);
+    put(row.watch, row.value, row.plot.node, row.tables);
     changed();
   }
 
@@ -76,6 +97,8 @@ export function ports(component, context, changed) {
       if (!there.includes(address)) {
         row.node.remove();
         row.detail?.remove();
+        row.plot?.close();
+        row.picture?.close();
         rows.delete(address);
       }
     }
@@ -99,19 +122,43 @@ export function ports(component, context, changed) {
   }
 
   function watched() {
-    return [...rows].filter(([, row]) => row.open).map(([address, row]) => {
+    const open = [...rows].filter(([, row]) => row.open && row.plot);
+    const values = open.map(([address, row]) => {
       const { port, element } = parts(address);
       const query = element ? `&element=${encodeURIComponent(element)}` : "";
       return {
         path: `${path("components", component, "ports", port)}/stream?rate=${RATE}${query}`,
-        hear(value, kind, id) {
+        hear(value, kind) {
           if (kind !== "value") return;
           put(row.value, text(JSON.stringify(value, null, 2), 4000));
-          row.plot.add(value, Number(id) / 1e9);
+          const lefts = [...row.tables.children].map((one) => one.scrollLeft);
+          put(row.tables, tables(value));
+          lefts.forEach((left, at) => row.tables.children[at]?.scrollTo({ left }));
         },
       };
     });
+    return open.length > 0 ? [...values, plotted(open)] : values;
   }
 
-  return { node, take, watched, close: () => rows.forEach((row) => row.plot?.close()) };
+  /** One stream for all plots, as fine as the finest of them is drawn. */
+  function plotted(open) {
+    const columns = Math.max(...open.map(([, row]) => row.plot.rate));
+    const query = new URLSearchParams([["columns", columns.toFixed(3)]]);
+    for (const [address, row] of open) query.append("plot", address.slice(component.length + 1) + row.plot.wanted);
+    return {
+      path: `${path("components", component)}/plots?${query}`,
+      hear(news, kind) {
+        if (kind === "plots") news.plots.forEach((one, at) => open[at][1].plot?.begin(one, news.width_ns));
+        if (kind === "columns") news.plots.forEach((one) => open[one.plot][1].plot?.add(one, news.skipped));
+      },
+      ended(reason) {
+        open.forEach(([, row]) => row.plot?.fail(reason?.message ?? "the daemon sends no samples"));
+      },
+    };
+  }
+
+  return { node, take, watched, close: () => rows.forEach((row) => {
+    row.plot?.close();
+    row.picture?.close();
+  }) };
 }

@@ -5,6 +5,7 @@ import { get, path, post, remove, told } from "./api.js";
 import { el, name, put, visible } from "./dom.js";
 import { inputs } from "./form.js";
 import { drawing } from "./machine.js";
+import { Spent } from "./spent.js";
 import { exception } from "./units.js";
 
 /** How long a state stays lit that an activity only passed through, in ms. */
@@ -31,12 +32,14 @@ export function service(component, described, context, open) {
   const list = el("ul", { class: "activities" });
   const machine = activity && described.codels.length > 0
     ? drawing(`State machine of ${described.name}`, described.codels) : null;
+  const spent = machine ? new Spent(described.name) : null;
   const head = el("summary", {}, el("h3", {}, name(described.name)),
     el("span", { class: "kind" }, described.kind), list.count = el("span", { class: "pill good", hidden: true }));
   const box = el("details", { class: `card service ${described.kind}`, "data-service": described.name, open },
     head,
     described.doc && el("p", { class: "doc" }, described.doc),
     el("div", { class: "work" }, machine && el("div", { class: "wide", tabindex: 0, role: "group", "aria-label": `States of ${described.name}` }, machine.node), el("div", {}, form, list)),
+    spent?.node,
     facts(described));
 
   async function fill() {
@@ -142,7 +145,7 @@ export function service(component, described, context, open) {
   };
   box.addEventListener("toggle", look);
   look();
-  return { node: box, take: takeActivities, hear };
+  return { node: box, take: takeActivities, hear, spent };
 }
 
 function facts(described) {

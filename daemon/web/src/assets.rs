@@ -45,6 +45,13 @@ const ALL: &[Asset] = assets! {
     "port.js" SCRIPT;
     "rules.js" SCRIPT;
     "plot.js" SCRIPT;
+    "image.js" SCRIPT;
+    "table.js" SCRIPT;
+    "heat.js" SCRIPT;
+    "spent.js" SCRIPT;
+    "timeline.js" SCRIPT;
+    "lanes.js" SCRIPT;
+    "mcap.js" SCRIPT;
     "graph.js" SCRIPT;
     "scene.js" SCRIPT;
     "peers.js" SCRIPT;

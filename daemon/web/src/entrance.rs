@@ -30,6 +30,7 @@ impl Console {
             .route("/sign-in", get(assets::page))
             .route("/graph", get(assets::page))
             .route("/logs", get(assets::page))
+            .route("/timeline", get(assets::page))
             .route("/component/{name}", get(assets::page))
             .merge(signed_in)
             .layer(from_fn_with_state(self.clone(), gate::check))

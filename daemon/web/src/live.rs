@@ -9,7 +9,7 @@ use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::time::Duration;
 
 use axum::Extension;
-use axum::body::Bytes;
+use axum::body::{Body, Bytes};
 use axum::extract::{Query, Request, State};
 use axum::http::{Extensions, StatusCode};
 use axum::response::Response;
@@ -47,7 +47,7 @@ impl Watched {
     /// Whether the path is a stream of the control plane.
     fn is_stream(&self) -> bool {
         let path = self.path.split('?').next().unwrap_or_default();
-        path == "/events" || path.ends_with("/stream")
+        path == "/events" || path.ends_with("/stream") || path.ends_with("/plots")
     }
 }
 
@@ -210,7 +210,19 @@ async fn follow(response: Response, index: usize, to: mpsc::Sender<Value>) {
             }
         }
     }
-    let _ = to.send(json!({"watch": index, "status": status.as_u16(), "ended": true})).await;
+    let error = match status.is_success() {
+        true => Value::Null,
+        false => refusal(body).await,
+    };
+    let status = status.as_u16();
+    let _ = to.send(json!({"watch": index, "status": status, "ended": true, "error": error})).await;
+}
+
+/// Why a stream was refused.
+async fn refusal(body: Body) -> Value {
+    let bytes = Limited::new(body, LARGEST).collect().await.map(|body| body.to_bytes());
+    let told = bytes.ok().and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok());
+    told.and_then(|mut told| told.get_mut("error").map(Value::take)).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -15,9 +15,10 @@ use genom_protocol::{
 use genom_registry::BackendError;
 use genom_runtime::{NoRest, seconds};
 use genom_supervisor::Supervisor;
-use genom_supervisor::components::{Components as Running, Hosted, UnloadError};
+use genom_supervisor::components::{Hosted, UnloadError};
 use genom_supervisor::loading::LoadError;
 use genom_supervisor::reloading::ReloadError;
+pub(super) use genom_views::find;
 use serde_json::Value;
 
 use crate::daemon::Daemon;
@@ -25,20 +26,6 @@ use crate::rpc::held_up::held_up;
 use crate::rpc::{cells, codels};
 use crate::startup::Startup;
 use genom_cells::own as own_cell;
-
-/// The running component of that name.
-pub(super) fn find(all: &Running, name: &str) -> Result<Arc<Hosted>, RpcError> {
-    let components = all.all();
-    match components.iter().find(|hosted| hosted.name == name) {
-        Some(hosted) => Ok(Arc::clone(hosted)),
-        None => Err(RpcError::unknown(
-            Code::NoSuchComponent,
-            "no component",
-            name,
-            components.iter().map(|hosted| hosted.name.as_str()),
-        )),
-    }
-}
 
 /// List the running components.
 #[utoipa::path(

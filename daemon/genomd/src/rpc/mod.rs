@@ -35,7 +35,6 @@ mod services;
 mod sources;
 mod tasks;
 mod tokens;
-mod values;
 mod why;
 mod withheld;
 
@@ -80,7 +79,9 @@ fn routes() -> OpenApiRouter<Parts> {
         .routes(routes!(ports::of_component))
         .routes(routes!(ports::value, ports::publish))
         .routes(routes!(ports::layout))
-        .routes(routes!(values::stream))
+        .routes(routes!(genom_views::stream))
+        .routes(routes!(genom_views::plots))
+        .routes(routes!(genom_views::image))
         .routes(routes!(ports::traffic))
         .routes(routes!(why::explain))
         .routes(routes!(events::fire))
@@ -95,6 +96,8 @@ fn routes() -> OpenApiRouter<Parts> {
         .routes(routes!(freeze::go_on))
         .routes(routes!(tasks::statistics))
         .routes(routes!(recordings::channels))
+        .routes(routes!(genom_views::histograms))
+        .routes(routes!(genom_views::timeline))
         .routes(routes!(recordings::start))
         .routes(routes!(recordings::end))
         .routes(routes!(replay::publish))

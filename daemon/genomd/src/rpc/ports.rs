@@ -16,9 +16,11 @@ use genom_protocol::{
     ValueParameters,
 };
 use genom_supervisor::Supervisor;
-use genom_supervisor::components::{Hosted, layout};
+use genom_supervisor::components::Hosted;
 use genom_supervisor::connections::feed::FeedError;
 use genom_types::Record;
+use genom_views::layout;
+pub(super) use genom_views::{find_port as find, key};
 use serde_json::Value;
 
 use crate::rpc::components;
@@ -176,37 +178,6 @@ pub(crate) async fn traffic(
             .help(format!("`genomctl connect {address} COMPONENT/PORT`")));
     };
     Ok(Json(PortTraffic { traffic: gauge.traffic(), address: address.to_string() }))
-}
-
-/// The port of that name.
-pub(super) fn find(hosted: &Hosted, port: &str) -> Result<PortIx, RpcError> {
-    let ports = &hosted.model().ports;
-    ports.find(|found| found.name == port).ok_or_else(|| {
-        let what = format!("{} has no port", hosted.name);
-        let names = ports.iter().map(|port| port.name.as_str());
-        RpcError::unknown(Code::NoSuchPort, what, port, names)
-    })
-}
-
-/// The port of that name, or an element of it. A multiple port requires an element, a single one
-/// allows none.
-pub(super) fn key(
-    hosted: &Hosted,
-    port: &str,
-    element: Option<String>,
-) -> Result<PortKey, RpcError> {
-    let rank = find(hosted, port)?;
-    let port = &hosted.model().ports[rank];
-    let message = match (port.multiple, &element) {
-        (true, None) => {
-            format!("{}/{} is a multiple port: name an element", hosted.name, port.name)
-        }
-        (false, Some(element)) => {
-            format!("{}/{} has no element `{element}`: it is single", hosted.name, port.name)
-        }
-        _ => return Ok(PortKey { port: rank, element }),
-    };
-    Err(RpcError::bad_input(message).place("element"))
 }
 
 /// The port itself or, if it is multiple, its elements.

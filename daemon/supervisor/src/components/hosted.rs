@@ -13,7 +13,7 @@ use genom_runtime::body::{Body, RemoteCall};
 use genom_runtime::plan::Plan;
 use genom_runtime::{
     ActivityPhase, CannotWait, Clock, HeldUp, Instance, Options, Progress, RunningCodel,
-    StartError, Statistics, Ticket, Watcher, seconds,
+    StartError, Statistics, TaskHistograms, Ticket, Watcher, seconds,
 };
 use genom_types::{DataType, Record};
 use serde_json::Value;
@@ -383,6 +383,11 @@ impl Hosted {
     /// Statistics of its tasks and codels.
     pub fn figures(&self) -> Statistics {
         self.instance.statistics()
+    }
+
+    /// How often its tasks took how long, since the start.
+    pub fn histograms(&self) -> Vec<TaskHistograms> {
+        self.instance.histograms()
     }
 
     /// Connects an in port, or disconnects it, with all codels excluded (genom3.md 7.8).

@@ -10,7 +10,6 @@ mod guard;
 mod heir;
 mod hosted;
 mod input;
-pub mod layout;
 mod prepared;
 mod record;
 mod remnants;

@@ -3,7 +3,7 @@
 use genom_protocol::frames::Channel;
 
 use super::hosted::Hosted;
-use crate::recording::heads;
+use crate::recording::{Watch, heads};
 
 impl Hosted {
     /// Attaches tapes of the running recordings to the ports that they want. Blocks while codels
@@ -36,6 +36,32 @@ impl Hosted {
             heads::of_port(&self.port_address(&key), direction, reads.as_ref(), ty)
         });
         all.collect()
+    }
+
+    /// Attaches tapes of a watch to the ports that it wants. Blocks while codels are excluded, which
+    /// takes no longer than a few assignments.
+    pub(crate) fn watch(&self, watch: &Watch) {
+        let open = self.ties.tapes().into_iter();
+        let made: Vec<_> = open
+            .filter_map(|(key, _, tapes)| {
+                let direction = self.model().ports[key.port].direction;
+                let ty = self.port_type(key.port)?;
+                let address = self.port_address(&key);
+                let tape = self.recordings.tape_of(watch, &address, direction, ty)?;
+                Some((tapes, tape))
+            })
+            .collect();
+        if made.is_empty() {
+            return;
+        }
+        let attached = self.excluded(|| {
+            for (tapes, tape) in made {
+                tapes.add(watch.number(), || tape);
+            }
+        });
+        if let Err(error) = attached {
+            tracing::warn!("ports of {} are not plotted: {error}", self.name);
+        }
     }
 
     /// Removes the tapes of a recording that ended. Blocks while codels are excluded.

@@ -37,6 +37,8 @@ pub struct Recordings {
     last: AtomicU64,
     /// Whether there are recordings; spares the lock when there are none.
     any: AtomicBool,
+    /// Whether one of them has calls of services; spares their inputs as JSON otherwise.
+    noting: AtomicBool,
     sessions: Mutex<Vec<Arc<Session>>>,
     calls: AtomicU64,
     /// What keeps the last seconds, if anything does.
@@ -53,6 +55,8 @@ pub struct Session {
     wanted: Vec<String>,
     /// What it has of each sample.
     what: What,
+    /// Whether it has samples and no notes.
+    quiet: bool,
     /// Channels that the recording's thread has not seen yet.
     new: Mutex<Vec<(Channel, Reel)>>,
     notes: Notes,
@@ -76,7 +80,7 @@ impl Session {
     /// Whether what happens in this component is to be recorded.
     fn concerns(&self, component: &str) -> bool {
         let of = |name: &String| matches!(name.split('/').next(), Some(of) if of == component || of == EVENTS);
-        self.wanted.is_empty() || self.wanted.iter().any(of)
+        !self.quiet && (self.wanted.is_empty() || self.wanted.iter().any(of))
     }
 }
 
@@ -89,18 +93,25 @@ impl Recordings {
     /// Starts a recording. It covers ports opened from now on, and open ones for which `opened` is
     /// called again.
     pub fn start(&self, wanted: RecordingRequest) -> Arc<Session> {
+        self.begin(wanted, false)
+    }
+
+    fn begin(&self, wanted: RecordingRequest, quiet: bool) -> Arc<Session> {
         let session = Arc::new(Session {
             number: self.last.fetch_add(1, Ordering::Relaxed) + 1,
             wanted: wanted.ports,
             what: if wanted.times { What::Times } else { What::Contents },
+            quiet,
             new: Mutex::default(),
             notes: Notes::default(),
             calendar: self.dates.calendar(),
             dates: self.dates.clone(),
             end: AtomicBool::new(false),
         });
-        self.with(|sessions| sessions.push(Arc::clone(&session)));
-        self.any.store(true, Ordering::Release);
+        self.with(|sessions| {
+            sessions.push(Arc::clone(&session));
+            self.note_what_there_is(sessions);
+        });
         session
     }
 
@@ -117,8 +128,13 @@ impl Recordings {
     pub fn forget(&self, session: &Session) {
         self.with(|sessions| {
             sessions.retain(|other| other.number != session.number);
-            self.any.store(!sessions.is_empty(), Ordering::Release);
+            self.note_what_there_is(sessions);
         });
+    }
+
+    fn note_what_there_is(&self, sessions: &[Arc<Session>]) {
+        self.any.store(!sessions.is_empty(), Ordering::Release);
+        self.noting.store(sessions.iter().any(|session| !session.quiet), Ordering::Release);
     }
 
     /// Whether there are recordings.
@@ -192,7 +208,7 @@ impl Recordings {
         inputs: impl FnOnce() -> Value,
     ) -> Option<Call> {
         let boxed = self.blackbox.get().filter(|one| one.wants_service(component, service));
-        if !self.any() && boxed.is_none() {
+        if !self.noting.load(Ordering::Acquire) && boxed.is_none() {
             return None;
         }
         let call = Call {
@@ -235,6 +251,60 @@ impl Recordings {
 
     fn with<T>(&self, work: impl FnOnce(&mut Vec<Arc<Session>>) -> T) -> T {
         work(&mut self.sessions.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// Samples of some ports; nobody else can end it.
+pub struct Watch(Arc<Session>);
+
+impl Watch {
+    /// Its number among the recordings.
+    pub(crate) fn number(&self) -> u64 {
+        self.0.number
+    }
+
+    /// What to read samples of a port from, since it was opened or connected, with the address of
+    /// the port or of its element. Empty most of the time.
+    #[must_use]
+    pub fn take_new(&self) -> Vec<(String, Reel)> {
+        let mut new = self.0.new.lock().unwrap_or_else(PoisonError::into_inner);
+        let all = new.drain(..).map(|(head, reel)| {
+            let topic = head.topic;
+            (topic.strip_prefix('/').unwrap_or(&topic).to_owned(), reel)
+        });
+        all.collect()
+    }
+}
+
+impl Recordings {
+    /// Starts to watch these ports, those that are opened or connected from now on. What is open
+    /// gets a tape of [`tape_of`](Self::tape_of).
+    pub(crate) fn watch(&self, ports: Vec<String>) -> Watch {
+        Watch(self.begin(RecordingRequest { ports, times: false }, true))
+    }
+
+    /// Ends a watch.
+    pub(crate) fn unwatch(&self, watch: &Watch) {
+        self.forget(&watch.0);
+    }
+
+    /// A tape for a port that is open already; `None` if it is not watched. Made before codels are
+    /// excluded, so that attaching it is all that they wait for.
+    pub(crate) fn tape_of(
+        &self,
+        watch: &Watch,
+        address: &Address,
+        of: PortDirection,
+        ty: &DataType,
+    ) -> Option<Tape> {
+        let Watch(session) = watch;
+        if !session.wants(&address.to_string()) {
+            return None;
+        }
+        let head = heads::of_port(address, of, None, ty)?;
+        let (tape, reel) = tape(session.number, ty, self.dates.clone(), session.what);
+        session.new.lock().unwrap_or_else(PoisonError::into_inner).push((head, reel));
+        Some(tape)
     }
 }
 
@@ -286,7 +356,8 @@ impl Call {
 
 #[cfg(test)]
 mod tests {
-    use genom_types::{Kind, ScopedName, TypeTable};
+    use genom_ports::tape::Way;
+    use genom_types::{Kind, Record, ScopedName, TypeTable};
 
     use super::*;
 
@@ -303,5 +374,40 @@ mod tests {
         }
         let told = recordings.told.lock().unwrap();
         assert_eq!((told.len(), session.new.lock().unwrap().len()), (1, 0));
+    }
+
+    #[test]
+    fn a_watch_has_every_sample_of_its_ports_and_no_calls() {
+        let mut table = TypeTable::default();
+        let id = table.add(Kind::Double);
+        let ty = DataType::new(&Arc::new(table), id).unwrap();
+        let recordings = Arc::new(Recordings::default());
+        let watch = recordings.watch(vec!["demo/position".to_owned()]);
+        let tape =
+            |port| recordings.tape_of(&watch, &Address::new("demo", port), PortDirection::Out, &ty);
+        assert!(tape("positions").is_none() && watch.take_new().is_empty());
+        let tapes = Tapes::default();
+        let made = tape("position").unwrap();
+        tapes.add(watch.number(), || made);
+        let mut value = Record::new(&ty);
+        for number in [1.0, 2.0] {
+            value.merge_json(&f64::into(number)).unwrap();
+            tapes.take(&value, Way::default());
+        }
+        // A port that is opened later.
+        let later = Tapes::default();
+        let at = Address::new("demo", "position/left");
+        recordings.opened(&at, PortDirection::Out, None, &ty, &later);
+        later.take(&value, Way::default());
+        let mut seen = Vec::new();
+        for (address, mut reel) in watch.take_new() {
+            reel.wind(|sample| seen.push((address.clone(), sample.number)));
+        }
+        let expected = [("demo/position", 0), ("demo/position", 1), ("demo/position/left", 0)];
+        assert_eq!(seen, expected.map(|(address, number)| (address.to_owned(), number)));
+        assert!(recordings.any());
+        assert!(recordings.called("demo", "goto", || panic!("nobody records calls")).is_none());
+        recordings.unwatch(&watch);
+        assert!(!recordings.any());
     }
 }

@@ -58,9 +58,9 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Elements of an array or sequence.
-    pub(crate) fn elements(self) -> impl Iterator<Item = View<'a>> {
-        let (element, at, length) = match self.node().shape {
+    /// Node of the elements of an array or sequence, address of the first, and how many there are.
+    fn row(self) -> (Ix, *const u8, usize) {
+        match self.node().shape {
             Shape::Array { element, length } => (element, self.at, length),
             Shape::Sequence { element, bound } => {
                 // SAFETY: this is a value of that shape.
@@ -69,11 +69,37 @@ impl<'a> View<'a> {
                 (element, buffer.cast_const(), length)
             }
             _ => (self.ix, self.at, 0),
-        };
+        }
+    }
+
+    /// Elements of an array or sequence.
+    pub(crate) fn elements(self) -> impl Iterator<Item = View<'a>> {
+        let (element, at, length) = self.row();
         let size = self.graph.node(element).layout.size;
         // SAFETY: `length` elements are readable from `at`.
         (0..length)
             .map(move |index| unsafe { Self::new(self.graph, element, at.add(index * size)) })
+    }
+
+    /// An element of an array, or of a sequence if it is that long.
+    pub(crate) fn element(self, index: usize) -> Option<View<'a>> {
+        let (element, at, length) = self.row();
+        let size = self.graph.node(element).layout.size;
+        // SAFETY: `length` elements are readable from `at`.
+        (index < length).then(|| unsafe { Self::new(self.graph, element, at.add(index * size)) })
+    }
+
+    /// The bytes of an array or sequence of octets.
+    pub(crate) fn octets(self) -> Option<&'a [u8]> {
+        let (element, at, length) = self.row();
+        let octets = matches!(self.node().shape, Shape::Array { .. } | Shape::Sequence { .. })
+            && matches!(self.graph.node(element).shape, Shape::Scalar(Scalar::Octet));
+        match (octets, length) {
+            (false, _) => None,
+            (true, 0) => Some(&[]),
+            // SAFETY: `length` octets are readable from `at`, and nobody writes them during 'a.
+            (true, _) => Some(unsafe { std::slice::from_raw_parts(at, length) }),
+        }
     }
 
     /// The value of an optional, when present.
@@ -94,6 +120,20 @@ impl<'a> View<'a> {
             _ => &[],
         };
         members.iter().map(move |part| (part.name.as_str(), self.inside(part.ix, part.offset)))
+    }
+
+    /// A member of a struct by its place; of a union only while it is the selected one.
+    pub(crate) fn member(self, index: usize) -> Option<View<'a>> {
+        let part = match &self.node().shape {
+            Shape::Struct { members } => members.get(index)?,
+            shape @ Shape::Union { members, .. }
+                if shape.selected(self.switch()?.integer()) == Some(index) =>
+            {
+                members.get(index)?
+            }
+            _ => return None,
+        };
+        Some(self.inside(part.ix, part.offset))
     }
 
     /// The discriminant of a union.

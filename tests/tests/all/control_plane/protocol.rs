@@ -10,14 +10,17 @@ use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
 /// Types in streams and recordings, to which no operation of the document refers.
-const STREAMED: [&str; 7] = [
+const STREAMED: [&str; 10] = [
     "Change",
     "LogEntry",
+    "PlotColumns",
+    "Plots",
     "RecordingChannel",
     "RecordingEnd",
     "RecordingLoss",
     "RecordingStart",
     "StreamEnd",
+    "Timeline",
 ];
 
 fn document(daemon: &Daemon) -> Value {

@@ -49,6 +49,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-web", &["genom-configuration", "genom-doors", "genom-proof", "genom-protocol"]),
     ("genom-foxglove", &["genom-configuration", "genom-doors", "genom-protocol"]),
     ("genom-supervisor", SUPERVISOR),
+    ("genom-views", VIEWS),
     ("genom-cells", CELLS),
     ("genom-limits", &["genom-configuration"]),
     ("genom-systemd", &["genom-host"]),
@@ -80,6 +81,14 @@ const RUNTIME: &[&str] = &["genom-description", "genom-middleware", "genom-monit
 const RULES: &[&str] = &["genom-description", "genom-nearest", "genom-protocol", "genom-runtime"];
 const PORTS: &[&str] =
     &["genom-blackbox", "genom-middleware", "genom-protocol", "genom-runtime", "genom-types"];
+const VIEWS: &[&str] = &[
+    "genom-description",
+    "genom-doors",
+    "genom-ports",
+    "genom-protocol",
+    "genom-supervisor",
+    "genom-types",
+];
 const CELLS: &[&str] = &[
     "genom-blackbox",
     "genom-configuration",

@@ -16,7 +16,7 @@ use genom_supervisor::components::Hosted;
 use serde_json::{Value, json};
 use tokio::time::{MissedTickBehavior, interval};
 
-use crate::rpc::{components, ports};
+use crate::named::{find, key};
 
 /// Default of `rate`, in values per second.
 const USUAL_RATE: f64 = 50.0;
@@ -39,15 +39,15 @@ const GREATEST_RATE: f64 = 1000.0;
         (status = 422), (status = 503)
     )
 )]
-pub(crate) async fn stream(
+pub async fn stream(
     State(supervisor): State<Arc<Supervisor>>,
     State(streams): State<Streams>,
     Extension(holder): Extension<Holder>,
     Path((component, port)): Path<(String, String)>,
     Parameters(parameters): Parameters<StreamParameters>,
 ) -> Result<Events, RpcError> {
-    let hosted = components::find(&supervisor.components, &component)?;
-    let key = ports::key(&hosted, &port, parameters.element)?;
+    let hosted = find(&supervisor.components, &component)?;
+    let key = key(&hosted, &port, parameters.element)?;
     let rate = parameters.rate.unwrap_or(USUAL_RATE);
     if !(rate > 0.0 && rate <= GREATEST_RATE) {
         let message = format!("rate: {rate} is not between 0 and {GREATEST_RATE} values a second");

@@ -1,0 +1,35 @@
+//! What clients see of running components: their values as streams, every sample of ports in the
+//! columns of a plot, images, histograms of durations, and the changes of the last minutes.
+//!
+//! Each handler takes what it shows from the supervisor, in threads of the control plane. Nothing is
+//! taken of a port that nobody asks for; of one that is plotted, codels put samples on a tape, as
+//! for a recording.
+
+#![forbid(unsafe_code)]
+
+mod columns;
+mod histograms;
+mod images;
+pub mod layout;
+mod named;
+mod picture;
+mod plots;
+mod timeline;
+mod values;
+
+#[doc(hidden)]
+pub use histograms::__path_histograms;
+pub use histograms::histograms;
+#[doc(hidden)]
+pub use images::__path_image;
+pub use images::image;
+pub use named::{find, find_port, key};
+#[doc(hidden)]
+pub use plots::__path_plots;
+pub use plots::plots;
+#[doc(hidden)]
+pub use timeline::__path_timeline;
+pub use timeline::timeline;
+#[doc(hidden)]
+pub use values::__path_stream;
+pub use values::stream;
