@@ -91,7 +91,7 @@ fn parse(query: Vec<(String, String)>) -> Result<(f64, Vec<String>), RpcError> {
             }
         }
     }
-    if !(columns >= 0.01 && columns <= PlotParameters::FASTEST) {
+    if !(0.01..=PlotParameters::FASTEST).contains(&columns) {
         let most = PlotParameters::FASTEST;
         let message = format!("columns: at least 0.01 and at most {most} in a second");
         return Err(RpcError::bad_input(message).place("columns"));

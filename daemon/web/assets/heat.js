@@ -26,6 +26,7 @@ class Heat {
   constructor(label, period) {
     this.label = label;
     this.period = period;
+    this.#canvas.setAttribute("aria-label", `${label} over time: nothing yet`);
     this.node = el("figure", {}, this.#canvas, this.#told);
   }
 

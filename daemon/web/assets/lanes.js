@@ -101,7 +101,8 @@ export class Lanes {
       : [`${of} · changes`, `${word(String(change.event).replaceAll("_", " "))} ${word(change.component ?? change.name ?? change.cell ?? "")}`.trim(), "info"];
     // The kind says the same as the exception of its activity.
     if (change.event === "exception" && change.activity !== undefined) return;
-    this.marks.push({ at, lane, component: typeof change.component === "string" ? of : null, what, tone });
+    const missed = change.event === "overrun" ? { task: word(change.task), periods: Number(change.ticks) || 0 } : null;
+    this.marks.push({ at, lane, component: typeof change.component === "string" ? of : null, what, tone, missed });
   }
 
   /** The lanes of a time, with rows for activities of one service that overlap. */
@@ -125,6 +126,38 @@ export class Lanes {
     }
     return [...lanes.values()].sort((one, other) => one.name < other.name ? -1 : 1);
   }
+}
+
+/**
+ * What a list of bars and marks has, latest first. Missed periods of one task with nothing else
+ * between them are one entry; where there are more entries than `most`, those are left out first.
+ */
+export function entries(bars, marks, most) {
+  const date = (one) => one.at ?? one.from;
+  const others = [];
+  const late = [];
+  let open = new Map();
+  for (const one of [...bars, ...marks].sort((one, other) => date(one) - date(other))) {
+    if (!one.missed) {
+      others.push(one);
+      open = new Map();
+      continue;
+    }
+    const group = open.get(one.lane);
+    if (group) {
+      group.until = one.at;
+      group.times += 1;
+      group.periods += one.missed.periods;
+      group.what = `${group.periods} missed periods of ${one.missed.task}, ${group.times} times`;
+    } else {
+      open.set(one.lane, { ...one, until: one.at, times: 1, periods: one.missed.periods });
+      late.push(open.get(one.lane));
+    }
+  }
+  const first = others.slice(-most);
+  const room = most - first.length;
+  const rest = room > 0 ? late.slice(-room) : [];
+  return [...first, ...rest].sort((one, other) => date(other) - date(one));
 }
 
 /** The state that an activity is in at this time, with when that begins and ends. */

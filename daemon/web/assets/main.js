@@ -1,16 +1,21 @@
 // The console: which page is shown, who is signed in, and whether the daemon answers.
 
-import { remove, session, told } from "./api.js";
+import { Away, remove, session, told } from "./api.js";
 import { el, link, name, note, put } from "./dom.js";
 import { Live } from "./live.js";
 import { component } from "./component.js";
 import { graph } from "./graph.js";
 import { logs } from "./logs.js";
 import { overview } from "./overview.js";
-import { timeline } from "./timeline.js";
 
 const page = document.getElementById("page");
 const bar = document.getElementById("bar");
+
+/** A page whose script is loaded when it is first shown. */
+const timeline = async (page, context) => {
+  const loaded = await import("./timeline.js").catch(() => { throw new Away(); });
+  return context.stillShown() ? loaded.timeline(page, context) : null;
+};
 
 const PAGES = [
   [/^\/$/, "Overview", overview],

@@ -40,6 +40,7 @@ export class Plot {
   /** `changed` is called when the daemon is to be asked for something else. */
   constructor(label, changed) {
     this.label = label;
+    this.#canvas.setAttribute("aria-label", `${label}: no sample yet`);
     const list = `plot-numbers-${plots += 1}`;
     this.#known = el("datalist", { id: list });
     const numbers = el("input", { type: "text", list, spellcheck: "false", autocomplete: "off", placeholder: "the first six",

@@ -2,7 +2,7 @@
 // axis. Of the daemon, as they happen, or of a recording that the browser reads.
 
 import { el, heads, name, note, put, visible } from "./dom.js";
-import { Lanes, stateAt } from "./lanes.js";
+import { Lanes, entries, stateAt } from "./lanes.js";
 import { NoRecording, changes as changesOf } from "./mcap.js";
 import { count, duration, timeOfDay } from "./units.js";
 
@@ -57,7 +57,7 @@ export async function timeline(page, context) {
     el("div", { class: "row filters" },
       el("div", { class: "field" }, el("label", { for: "timeline-component" }, "Component"), of),
       el("div", { class: "row" }, button("−", "Zoom out", () => zoom(2)), button("+", "Zoom in", () => zoom(0.5)),
-        button("◂", "Earlier", () => pan(-0.25)), button("▸", "Later", () => pan(0.25)), button("All", "Show everything", () => all()), follow),
+        button("◂", "Earlier", () => pan(-0.25)), button("▸", "Later", () => pan(0.25)), button("All", "Show all", () => all()), follow),
       el("div", { class: "field" }, el("label", { for: "timeline-file" }, "A recording (.mcap) instead; it stays in the browser"), chooser), back),
     told, canvas,
     el("p", { class: "soft", id: "timeline-keys" }, "Arrow keys move, + and − zoom, Home shows everything, End follows; Enter and Shift+Enter go from one thing to the next and the one before. Drag, or zoom with the wheel and Ctrl."),
@@ -263,9 +263,8 @@ export async function timeline(page, context) {
 
   let drawn = "";
   function list(bars, marks, to) {
-    const date = (one) => one.at ?? one.from;
-    const latest = [...bars, ...marks].sort((one, other) => date(other) - date(one)).slice(0, LISTED);
-    const shown = latest.map((one) => one.what ? [timeOfDay(one.at), one.lane, one.what, "", one.tone]
+    const shown = entries(bars, marks, LISTED).map((one) => one.what
+      ? [timeOfDay(one.at), one.lane, one.what, one.until > one.at ? seconds(one.until - one.at) : "", one.tone]
       : [timeOfDay(one.from), one.lane, `#${one.activity} ${one.exception ?? (one.to === null ? `in ${one.states.at(-1)?.name ?? "no state yet"}` : `done: ${one.states.slice(0, 12).map((state) => state.name).join(" → ")}`)}`,
         one.to === null ? "runs" : seconds(one.to - one.from), one.exception ? "bad" : ""]);
     const text = JSON.stringify(shown);

@@ -6,7 +6,7 @@ const STEPS = [[1e9, "s"], [1e6, "ms"], [1e3, "µs"], [1, "ns"]];
 export function duration(ns) {
   if (ns === undefined || ns === null) return "–";
   const [unit, name] = STEPS.find(([unit]) => ns >= unit) ?? STEPS[3];
-  return `${(ns / unit).toPrecision(3).replace(/\.?0+$/, "")} ${name}`;
+  return `${Number((ns / unit).toPrecision(3))} ${name}`;
 }
 
 /** Seconds since 1970 as 12:34:56.789 of the place of the browser. */
