@@ -8,6 +8,8 @@
 pub mod chronicle;
 pub mod flag;
 mod numbered;
+pub mod startup;
+pub mod withheld;
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};

@@ -5,8 +5,10 @@
 mod contents;
 mod error;
 mod read;
+mod sections;
 
 pub use contents::{Contents, Digest};
 pub use error::OpenError;
 pub use read::{EmbeddedDescription, Finishers, Segment, description_of, finishers};
 pub use read::{mangled, needs, segments, uses_origin};
+pub use sections::{Damage, NoSections, Sections};

@@ -20,7 +20,6 @@ mod escape;
 mod failure;
 mod far;
 mod frames;
-mod genom3;
 mod http;
 mod inputs;
 mod names;
@@ -39,7 +38,6 @@ mod terminal;
 mod times;
 mod top;
 mod traffic;
-mod units;
 mod verbs;
 
 use std::process::ExitCode;
@@ -57,8 +55,8 @@ fn json_wanted() -> bool {
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args_os();
-    if genom3::is_asked_for(arguments.next().as_ref()) {
-        return genom3::run(arguments.collect());
+    if genom_genom3::is_asked_for(arguments.next().as_ref()) {
+        return genom_genom3::run(arguments.collect());
     }
     // A shell asks for completions: they are printed and the process exits.
     complete::answer(Cli::command, verbs::COMPLETE);

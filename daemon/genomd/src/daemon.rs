@@ -16,8 +16,8 @@ use tokio_util::sync::CancellationToken;
 
 use crate::announcements::Announcements;
 use crate::settings::Settings;
-use crate::startup::Startup;
 use genom_cells::OwnCell;
+use genom_supervisor::bus::startup::Startup;
 
 /// Maximum number of questions to other daemons under way; each may occupy a thread.
 const QUESTIONS: usize = 64;

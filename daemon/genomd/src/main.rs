@@ -14,7 +14,6 @@ mod rpc;
 mod run;
 mod settings;
 mod signals;
-mod startup;
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};

@@ -48,7 +48,6 @@ pub mod supervisor;
 pub mod ties;
 mod vigil;
 mod waiting;
-pub mod withheld;
 
 pub use genom_configuration::LoadRequest;
 pub use settings::{Settings, Trials};

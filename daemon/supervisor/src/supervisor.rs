@@ -5,6 +5,7 @@ use std::thread::Thread;
 use std::time::{Duration, Instant};
 
 use genom_blackbox::Memory;
+use genom_bus::withheld::Withheld;
 use genom_configuration::{BlackBoxSection, ClockKind, ExecutionKind};
 use genom_ports::dates::Dates;
 use genom_protocol::RecordingRequest;
@@ -19,7 +20,6 @@ use crate::reactor::Reactions;
 use crate::recording::{BlackBox, Recordings, Session, Watch, heads};
 use crate::settings::Settings;
 use crate::vigil;
-use crate::withheld::Withheld;
 use genom_bus::flag::Flag;
 use genom_bus::{Bus, Change};
 

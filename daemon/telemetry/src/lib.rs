@@ -7,10 +7,12 @@
 
 #![forbid(unsafe_code)]
 
+mod component;
 pub mod logs;
 mod page;
 pub mod selection;
 
+pub use component::{COUNTER, GAUGE, count, describe};
 pub use page::Page;
 
 use std::collections::VecDeque;

@@ -3,7 +3,7 @@
 use super::finding::Finding;
 use super::machine::Machine;
 use super::memory;
-use crate::units::bytes;
+use genom_drawing::units::bytes;
 
 /// Shared memory smaller than this holds only few images.
 const LITTLE_MEMORY: u64 = 64 << 20;

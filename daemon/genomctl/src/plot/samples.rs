@@ -2,14 +2,13 @@
 
 use std::collections::HashMap;
 
+use genom_drawing::plot::{Curve, Plot, number, numbers};
 use genom_protocol::frames::Frame;
 use genom_protocol::{RecordingRequest, routes};
 use genom_types::Record;
 use serde_json::json;
 
-use super::chosen::{Chosen, number, numbers};
-use super::columns::Columns;
-use super::draw::{Curve, Plot};
+use super::chosen::Chosen;
 use crate::failure::Failure;
 use crate::frames::Frames;
 use crate::session::Session;
@@ -99,12 +98,5 @@ impl Source {
         for (curve, path) in &self.curves {
             plot.take(*curve, date, number(&value, path));
         }
-    }
-}
-
-impl Curve {
-    fn new(port: &genom_protocol::Address, path: &str, span: u64) -> Self {
-        let name = if path.is_empty() { port.to_string() } else { format!("{port}.{path}") };
-        Self { name, columns: Columns::new(span) }
     }
 }

@@ -3,10 +3,10 @@
 use std::time::Duration;
 
 use crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+use genom_drawing::plot::Plot;
 use tokio::sync::mpsc;
 use tokio::time::{MissedTickBehavior, interval};
 
-use super::draw::Plot;
 use super::samples::Samples;
 use crate::failure::Failure;
 

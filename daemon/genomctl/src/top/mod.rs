@@ -1,10 +1,7 @@
-//! The live table: its data (`snapshot`), its layout (`draw`), and its screen (`screen`).
+//! The live table: its data (`snapshot`) and its screen (`screen`).
 
-mod draw;
 mod screen;
 mod snapshot;
-mod trend;
 
-pub(crate) use draw::text;
 pub(crate) use screen::run;
-pub(crate) use snapshot::Snapshot;
+pub(crate) use snapshot::take;

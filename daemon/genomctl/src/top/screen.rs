@@ -3,12 +3,11 @@
 use std::time::Duration;
 
 use crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+use genom_drawing::top::{Trends, draw};
 use genom_protocol::routes;
 use tokio::sync::mpsc;
 
-use super::draw::draw;
-use super::snapshot::Snapshot;
-use super::trend::Trends;
+use super::snapshot::take;
 use crate::failure::Failure;
 use crate::session::Session;
 
@@ -28,7 +27,7 @@ enum Wish {
 /// Shows the table, updated every `period`.
 pub(crate) async fn run(session: &Session, period: Duration) -> Result<(), Failure> {
     // Before the screen is switched: if there is no daemon, the error appears on the normal screen.
-    let mut now = Snapshot::take(session).await?;
+    let mut now = take(session).await?;
     let mut before = None;
     let mut terminal = ratatui::try_init()?;
     let mut wishes = listen();
@@ -49,7 +48,7 @@ pub(crate) async fn run(session: &Session, period: Duration) -> Result<(), Failu
             break Err(Failure::Io(error));
         }
         tokio::select! {
-            _ = ticks.tick(), if !paused => match Snapshot::take(session).await {
+            _ = ticks.tick(), if !paused => match take(session).await {
                 Ok(next) => {
                     let last = std::mem::replace(&mut now, next);
                     trends.add(&now, &last);

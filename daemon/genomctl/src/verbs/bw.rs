@@ -7,8 +7,8 @@ use crate::failure::Failure;
 use crate::names::address;
 use crate::session::Session;
 use crate::traffic::{Rate, Watch};
-use crate::units::bytes;
 use clap_complete::engine::ArgValueCompleter;
+use genom_drawing::units::bytes;
 
 /// Show the bandwidth of a port: bytes per second that its component writes or reads.
 ///

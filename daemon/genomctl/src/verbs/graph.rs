@@ -4,9 +4,10 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use genom_description_tools as tools;
+use genom_drawing::picture::{dot, mermaid, svg};
 
 use crate::failure::Failure;
-use crate::picture::{System, dot, mermaid, svg};
+use crate::picture;
 use crate::reading::Reading;
 use crate::session::Session;
 
@@ -48,7 +49,7 @@ pub(super) async fn run(args: &Args, session: &Session) -> Result<(), Failure> {
 async fn draw_running(args: &Args, session: &Session) -> Result<(), Failure> {
     let window = Duration::try_from_secs_f64(args.window)
         .map_err(|_| Failure::usage(format!("--window {}: no time", args.window), "try 1, or 0"))?;
-    let system = System::read(session, (!window.is_zero()).then_some(window)).await?;
+    let system = picture::read(session, (!window.is_zero()).then_some(window)).await?;
     let drawn = match args.format {
         Format::Dot => dot(&system),
         Format::Mermaid => mermaid(&system),

@@ -7,8 +7,8 @@ use crate::failure::Failure;
 use crate::names::address;
 use crate::session::Session;
 use crate::traffic::{Rate, Watch};
-use crate::units::seconds;
 use clap_complete::engine::ArgValueCompleter;
+use genom_drawing::units::seconds;
 
 /// Show the rate of a port: samples per second that its component writes or reads, and their
 /// jitter.

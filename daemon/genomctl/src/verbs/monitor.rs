@@ -12,7 +12,7 @@ use crate::escape;
 use crate::failure::Failure;
 use crate::session::Session;
 use crate::table::Table;
-use crate::units::duration;
+use genom_drawing::units::duration;
 
 /// Show the rules that a component is supervised by, and how often each was broken.
 ///

@@ -4,6 +4,7 @@ use std::io::{self, IsTerminal as _, Write as _};
 use std::time::Duration;
 
 use clap_complete::engine::ArgValueCompleter;
+use genom_drawing::plot::text;
 use tokio::signal::unix::{SignalKind, signal};
 
 use crate::complete::Names;
@@ -61,5 +62,5 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     }
     let size = io::stdout().is_terminal().then(crossterm::terminal::size);
     let (width, height) = size.and_then(Result::ok).unwrap_or(SIZE);
-    session.print(&plot::text(&plot, width.max(20), height.saturating_sub(1).max(8)))
+    session.print(&text(&plot, width.max(20), height.saturating_sub(1).max(8)))
 }

@@ -7,7 +7,7 @@ use crate::complete::Names;
 use crate::failure::Failure;
 use crate::session::Session;
 use crate::table::Table;
-use crate::units::duration;
+use genom_drawing::units::duration;
 
 /// Show the statistics of the tasks of a component, or of its codels.
 #[derive(Debug, clap::Args)]

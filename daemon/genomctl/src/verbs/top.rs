@@ -3,11 +3,12 @@
 use std::io::{self, IsTerminal as _};
 use std::time::Duration;
 
+use genom_drawing::top::text;
 use serde_json::json;
 
 use crate::failure::Failure;
 use crate::session::Session;
-use crate::top::{self, Snapshot};
+use crate::top;
 
 /// Show tasks, activities and ports live, until q.
 ///
@@ -33,14 +34,14 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     if !session.json && !args.once && io::stdout().is_terminal() && io::stdin().is_terminal() {
         return top::run(session, delay).await;
     }
-    let first = Snapshot::take(session).await?;
+    let first = top::take(session).await?;
     if session.json {
         return session.print(&format!("{}\n", json!(first.data())));
     }
     // Rates are computed from two readings.
     tokio::time::sleep(delay).await;
-    let now = Snapshot::take(session).await?;
-    session.print(&top::text(&now, Some(&first), terminal_width().unwrap_or(WIDTH)))
+    let now = top::take(session).await?;
+    session.print(&text(&now, Some(&first), terminal_width().unwrap_or(WIDTH)))
 }
 
 fn terminal_width() -> Option<u16> {

@@ -24,8 +24,8 @@ use serde_json::Value;
 use crate::daemon::Daemon;
 use crate::rpc::held_up::held_up;
 use crate::rpc::{cells, codels};
-use crate::startup::Startup;
 use genom_cells::own as own_cell;
+use genom_supervisor::bus::startup::Startup;
 
 /// List the running components.
 #[utoipa::path(

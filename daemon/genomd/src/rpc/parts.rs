@@ -8,7 +8,7 @@ use genom_doors::Streams;
 use genom_supervisor::Supervisor;
 
 use crate::daemon::Daemon;
-use crate::startup::Startup;
+use genom_supervisor::bus::startup::Startup;
 
 /// The state of routers: the daemon.
 #[derive(Clone)]

@@ -7,7 +7,6 @@ use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use genom_cells::Cells;
 use genom_description::model;
-use genom_description::model::PortIx;
 use genom_doors::{Body, Parameters, RpcError};
 use genom_middleware::OpenError;
 use genom_ports::PortKey;
@@ -180,16 +179,6 @@ pub(crate) async fn traffic(
     Ok(Json(PortTraffic { traffic: gauge.traffic(), address: address.to_string() }))
 }
 
-/// The port itself or, if it is multiple, its elements.
-pub(super) fn elements(hosted: &Hosted, port: PortIx) -> Vec<PortKey> {
-    if hosted.model().ports[port].multiple {
-        let elements = hosted.ties.elements(port).into_iter();
-        elements.map(|element| PortKey { port, element: Some(element) }).collect()
-    } else {
-        vec![PortKey::new(port, None)]
-    }
-}
-
 fn described(hosted: &Hosted, parameters: &PortParameters) -> Vec<Port> {
     let values = parameters.values.unwrap_or(true);
     let one = |key: &PortKey| {
@@ -198,7 +187,7 @@ fn described(hosted: &Hosted, parameters: &PortParameters) -> Vec<Port> {
     };
     let mut out = Vec::new();
     for index in hosted.model().ports.places() {
-        let elements = elements(hosted, index);
+        let elements = hosted.elements(index);
         if elements.is_empty() {
             out.push(one(&PortKey::new(index, None)));
         }

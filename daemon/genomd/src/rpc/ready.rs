@@ -9,7 +9,7 @@ use genom_doors::{Parameters, RpcError};
 use genom_protocol::{Code, Ready, ReadyParameters};
 use genom_supervisor::Supervisor;
 
-use crate::startup::Startup;
+use genom_supervisor::bus::startup::Startup;
 
 /// Get whether the daemon has loaded the components of its configuration.
 ///

@@ -67,12 +67,12 @@ fn flows(hosted: &Hosted, port: PortIx) -> Vec<String> {
         let (address, ms) = (hosted.port_address(&key), age / 1_000_000);
         Some(format!("{address} was last {did} {ms} ms ago, {} samples so far", counts.samples))
     };
-    ports::elements(hosted, port).into_iter().filter_map(one).collect()
+    hosted.elements(port).into_iter().filter_map(one).collect()
 }
 
 fn of_port(supervisor: &Supervisor, hosted: &Hosted, port: PortIx) -> Vec<Finding> {
     let mut out = Vec::new();
-    let elements = ports::elements(hosted, port);
+    let elements = hosted.elements(port);
     let model = &hosted.model().ports[port];
     let address = hosted.address(&model.name, None);
     if elements.is_empty() {

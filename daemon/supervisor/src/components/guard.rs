@@ -3,12 +3,12 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
+use genom_bus::withheld::Withheld;
 use genom_configuration::{OwnResponse, Reaction, SupervisionEntry};
 use genom_protocol::{Broken, Kind, Rule};
 use genom_runtime::Violation;
 
 use crate::reactor::{Asked, Reactions};
-use crate::withheld::Withheld;
 use genom_bus::{Bus, Change};
 
 /// Time between two violations of a rule that are told and acted upon, in nanoseconds of the

@@ -221,6 +221,16 @@ impl Hosted {
         self.address(&self.model().ports[key.port].name, key.element())
     }
 
+    /// The port itself or, if it is multiple, its elements.
+    pub fn elements(&self, port: PortIx) -> Vec<PortKey> {
+        if self.model().ports[port].multiple {
+            let elements = self.ties.elements(port).into_iter();
+            elements.map(|element| PortKey { port, element: Some(element) }).collect()
+        } else {
+            vec![PortKey::new(port, None)]
+        }
+    }
+
     /// The middlewares that a port is on.
     pub fn backends_of(&self, key: &PortKey) -> BackendNames {
         self.ties.bindings.port(&self.model().ports[key.port].name)

@@ -16,9 +16,12 @@ const TEXTS: &[(&str, usize, &str)] = &[
     ("daemon/genomctl/src/verbs/test/mod.rs", 1, "goes into the report as it is"),
     (
         "daemon/genomctl/src/verbs/verify/given.rs",
-        4,
+        5,
         "parsers of clap, which prints the texts; a verdict",
     ),
+    ("daemon/genomctl/src/verbs/verify/trace.rs", 1, "a parser of clap, which prints the text"),
+    ("daemon/verdicts/src/rules.rs", 1, "a verdict"),
+    ("daemon/verdicts/src/told.rs", 2, "a verdict"),
     ("daemon/genomctl/src/verbs/model.rs", 1, "a parser of clap, which prints the text"),
 ];
 

@@ -72,7 +72,7 @@ const LOOKED_UP: &[(&str, &str)] = &[
     ("doctor/live.rs", "options of a middleware, which are a map in the protocol, too"),
     ("verbs/fmt.rs", "what it prints itself"),
     ("verbs/verify/mod.rs", "what it prints itself"),
-    ("verbs/verify/ruled.rs", "a configuration file"),
+    ("verbs/schedule/mod.rs", "what it prints itself"),
 ];
 
 #[test]

@@ -2,12 +2,13 @@
 
 use std::num::NonZero;
 
-use genom_formal::{Bounds, Cause, Change, Machine, OnMachine, Placed, System, Threads};
+use genom_formal::{Bounds, Machine, Placed, System, Threads};
 use genom_protocol::routes;
-use serde_json::{Value, json};
+use genom_verdicts::Subject;
+use genom_verdicts::schedule::{Told, is_late};
 
-use super::super::verify::{Measured, Subject, ask, shares_its_thread, subject};
-use super::{Args, is_late, lateness, task};
+use super::super::verify::{ask, refused};
+use super::args::{Args, lateness};
 use crate::apart::Genomd;
 use crate::failure::Failure;
 use crate::session::Session;
@@ -20,17 +21,17 @@ pub(super) async fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let processors = given.unwrap_or_else(here);
     let requests = args.requests.unwrap_or(usize::MAX);
     let mut systems = Vec::new();
-    let (mut open, mut told, mut measured) = (0, Vec::new(), Vec::new());
+    let (mut open, mut left_out, mut measured) = (0, Vec::new(), Vec::new());
     for one in &subjects {
         let known = args.given.times(one);
         let slots = one.running.as_ref().map_or(1, |running| running.max_activities);
         let bounds = Bounds { requests, instances: args.instances, slots, ..Bounds::default() };
         measured.extend(known.measured.map(|measured| (one.name().to_owned(), measured)));
-        match (shares_its_thread(one), known.times) {
+        match (one.shares_its_thread(), known.times) {
             (None, Ok(times)) => systems.push((one, System::new(&one.plan, bounds), times)),
             (Some(why), _) | (None, Err(why)) => {
                 open += 1;
-                told.push((one.name().to_owned(), why));
+                left_out.push((one.name().to_owned(), why));
             }
         }
     }
@@ -46,11 +47,11 @@ pub(super) async fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let (tasks, changes) = (machine.schedule(), machine.changes());
     let late = tasks.iter().filter(|one| is_late(&one.task)).count();
     open += tasks.iter().filter(|one| one.task.response.is_err() && !is_late(&one.task)).count();
+    let told = Told { processors, tasks, changes, left_out, measured };
     if session.json {
-        let data = data(processors, &tasks, &changes, &told, &measured);
-        session.print(&format!("{data}\n"))?;
+        session.print(&format!("{}\n", told.data()))?;
     } else {
-        session.print(&text(processors, &tasks, &changes, &told, &measured))?;
+        session.print(&told.text())?;
     }
     if late + open == 0 { Ok(()) } else { Err(Failure::Late { late, open }) }
 }
@@ -66,8 +67,7 @@ async fn subjects(args: &Args, session: &Session) -> Result<Vec<Subject>, Failur
         }
         [file] if !args.given.measured() => {
             for sources in Genomd::new(None).sources(file)? {
-                let read = subject(sources);
-                all.push(read.map_err(|why| Failure::refused("sources", why.to_string()))?);
+                all.push(Subject::of_running(sources).map_err(refused)?);
             }
         }
         [_] => {
@@ -89,66 +89,4 @@ fn threads(args: &Args, subject: &Subject) -> Vec<Threads> {
     let tasks = subject.running.iter().flat_map(|running| &running.tasks);
     let late = lateness(args, subject);
     tasks.map(|task| Threads { cpus: task.cpus.clone(), late }).collect()
-}
-
-fn text(
-    processors: usize,
-    tasks: &[OnMachine],
-    changes: &[Change],
-    told: &[(String, String)],
-    measured: &[(String, Measured)],
-) -> String {
-    let mut text = String::new();
-    for (name, measured) in measured {
-        text.push_str(&format!("{name}, measured:\n{}", measured.text()));
-    }
-    text.push_str(&format!("{processors} processors\n"));
-    for one in tasks {
-        text.push_str(&one.text());
-    }
-    for (name, why) in told {
-        text.push_str(&format!(
-            "{name}: no bound: {why}; the others are told as if it were not there\n"
-        ));
-    }
-    for change in changes {
-        text.push_str(&format!("{}\n", change.text()));
-    }
-    text
-}
-
-fn data(
-    processors: usize,
-    tasks: &[OnMachine],
-    changes: &[Change],
-    told: &[(String, String)],
-    measured: &[(String, Measured)],
-) -> Value {
-    let one = |one: &OnMachine| {
-        let mut data = task(&one.task);
-        data["component"] = one.component.clone().into();
-        data["cpus"] = json!(one.cpus);
-        data["late"] = matches!(one.task.response, Err(Cause::Late(_))).into();
-        data
-    };
-    let left_out = |(name, why): &(String, String)| json!({ "component": name, "why": why });
-    let codels =
-        |(name, one): &(String, Measured)| json!({ "component": name, "codels": one.data() });
-    json!({
-        "processors": processors,
-        "tasks": tasks.iter().map(one).collect::<Vec<_>>(),
-        "left_out": told.iter().map(left_out).collect::<Vec<_>>(),
-        "changes": changes.iter().map(change).collect::<Vec<_>>(),
-        "measured": measured.iter().map(codels).collect::<Vec<_>>(),
-    })
-}
-
-fn change(change: &Change) -> Value {
-    match change {
-        Change::Order(tasks) => json!({ "priorities": tasks }),
-        Change::Processor { task, cpu } => json!({ "task": task, "cpu": cpu }),
-        Change::Time { codel, below, task } => {
-            json!({ "codel": codel, "below_ns": below, "task": task })
-        }
-    }
 }

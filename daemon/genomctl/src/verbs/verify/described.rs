@@ -4,11 +4,10 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
-use genom_description::source::SourceMap;
-use genom_protocol::{Sources, Statistics, routes};
+use genom_protocol::{Sources, routes};
 use genom_runtime::Plan;
+use genom_verdicts::{Subject, Unread};
 
-use super::loaded::{self, Unread};
 use crate::failure::Failure;
 use crate::reading::Reading;
 use crate::session::Session;
@@ -25,34 +24,6 @@ pub(in crate::verbs) struct Described {
     component: Option<String>,
     #[command(flatten)]
     reading: Reading,
-}
-
-/// A component that is asked about.
-pub(in crate::verbs) struct Subject {
-    pub(in crate::verbs) plan: Arc<Plan>,
-    /// The texts that it was read from.
-    pub(in crate::verbs) texts: Rc<SourceMap>,
-    /// The files of its description, directories of included files, and definitions.
-    pub(in crate::verbs) files: Vec<PathBuf>,
-    pub(in crate::verbs) include: Vec<PathBuf>,
-    pub(in crate::verbs) defines: Vec<String>,
-    /// How it is executed, if it runs or is configured.
-    pub(in crate::verbs) running: Option<Sources>,
-    /// What was measured of it.
-    pub(in crate::verbs) measured: Option<Statistics>,
-}
-
-impl Subject {
-    /// Its instance name, or that of the component.
-    pub(in crate::verbs) fn name(&self) -> &str {
-        let own = &self.plan.component().name;
-        self.running.as_ref().map_or(own, |running| &running.name)
-    }
-
-    /// A line about how it is executed, if that is known.
-    pub(in crate::verbs) fn heading(&self) -> String {
-        self.running.as_ref().map_or_else(String::new, loaded::heading)
-    }
 }
 
 impl Described {
@@ -149,12 +120,26 @@ pub(in crate::verbs) async fn ask(
     let sent = session.client.request(&routes::sources(name), Vec::new()).await?;
     let sources: Sources =
         serde_json::from_value(sent).map_err(|why| session.client.misread(why.to_string()))?;
-    let mut subject = loaded::subject(sources).map_err(Unread::failure)?;
+    let mut subject = Subject::of_running(sources).map_err(refused)?;
     if measured {
-        loaded::check_clock(&subject)?;
+        check_clock(&subject)?;
         subject.measured = Some(session.ask(routes::statistics(name)).await?.content);
     }
     Ok(subject)
+}
+
+pub(in crate::verbs) fn refused(why: Unread) -> Failure {
+    Failure::refused("sources", why.to_string())
+}
+
+/// Durations on a stepped clock are those of the clock: nothing is measured.
+fn check_clock(subject: &Subject) -> Result<(), Failure> {
+    subject.on_stepped_clock().map_or(Ok(()), |name| {
+        Err(Failure::usage(
+            format!("{name} is on a stepped clock, on which codels take no time"),
+            "measure it in a daemon with the machine's clock",
+        ))
+    })
 }
 
 #[cfg(test)]

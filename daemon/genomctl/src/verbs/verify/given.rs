@@ -3,11 +3,9 @@
 use std::time;
 
 use genom_description::model::Component;
-use genom_formal::{Bounds, Duration, Limits, Property, System, Ticks, Times};
+use genom_formal::{Duration, Limits, Property, Times};
+use genom_verdicts::{Known, Measured, Subject};
 
-use super::described::Subject;
-use super::loaded::shares_its_thread;
-use super::measured::Measured;
 use crate::failure::Failure;
 
 /// What can be asked for.
@@ -97,14 +95,6 @@ pub(super) fn codel_time(text: &str) -> Result<(String, Duration), String> {
     Ok((codel.to_owned(), Duration { least, most: Some(greatest) }))
 }
 
-/// What is known of the times of a component.
-pub(in crate::verbs) struct Known {
-    /// Those of all codels; or which have no bound.
-    pub(in crate::verbs) times: Result<Times, String>,
-    /// What was measured, if that was asked for.
-    pub(in crate::verbs) measured: Option<Measured>,
-}
-
 impl Given {
     /// Whether measured times are asked for.
     pub(in crate::verbs) fn measured(&self) -> bool {
@@ -156,20 +146,5 @@ impl Given {
             false => "declare it, or give --wcet or --other-wcet",
         };
         Err(format!("{names} no wcet: {way}"))
-    }
-
-    /// Looks at the ticks of the tasks; tells why not if that cannot be done.
-    pub(super) fn check(
-        subject: &Subject,
-        times: Result<Times, String>,
-        bounds: Bounds,
-        limits: &Limits,
-    ) -> Ticks {
-        // What is measured is the component while it serves requests.
-        let system = System::new(&subject.plan, Bounds { kill: false, ..bounds });
-        match (shares_its_thread(subject), times) {
-            (Some(why), _) | (None, Err(why)) => Ticks::Unknown(why),
-            (None, Ok(times)) => Ticks::Seen(Box::new(system.check_ticks(&times, limits))),
-        }
     }
 }

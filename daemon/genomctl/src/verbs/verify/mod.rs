@@ -1,24 +1,19 @@
 //! `genomctl verify`: what a component can and cannot do, whatever its codels yield. Of files it takes
 //! no daemon.
 
-mod data;
 mod described;
 mod given;
-mod loaded;
-mod measured;
-mod ruled;
 mod trace;
 
 use std::path::PathBuf;
 
-use genom_formal::{Bounds, Found, Property, System, Ticks, Times, Verdict, text};
-use serde_json::Value;
+use genom_formal::Property;
+use genom_verdicts::rules::{self, Ruled};
+use genom_verdicts::{Asked, Subject, Told};
 
-pub(super) use self::described::{Described, Subject, ask};
+pub(super) use self::described::{Described, ask, refused};
 use self::given::Checked;
 pub(super) use self::given::{Given, Most, most};
-pub(super) use self::loaded::{shares_its_thread, subject};
-pub(super) use self::measured::Measured;
 use crate::failure::Failure;
 use crate::session::Session;
 
@@ -61,105 +56,51 @@ pub(crate) struct Args {
     trace: Vec<PathBuf>,
 }
 
-impl Args {
-    /// What clients may do of a component.
-    fn bounds(&self, subject: &Subject) -> Bounds {
-        let (requests, instances) = (self.requests, self.instances);
-        let mut bounds = Bounds { requests, instances, ..Bounds::default() };
-        if let Some(running) = &subject.running {
-            bounds.slots = running.max_activities;
-        }
-        bounds
-    }
-}
-
-/// What was found of one component.
-struct Told {
-    subject: Subject,
-    found: Found,
-    measured: Option<Measured>,
-    /// The times of its codels, if all are known.
-    times: Option<Times>,
-}
-
 pub(super) async fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let subjects = args.described.subjects(args.given.measured(), session).await?;
     args.given.check_names(&subjects)?;
     // Mistakes in the file come before anything is explored.
-    let read = |file: &PathBuf| ruled::Ruled::read(file, &subjects);
+    let read = |file: &PathBuf| {
+        Ruled::read(file, &subjects).map_err(|why| Failure::usage(why.to_string(), why.help()))
+    };
     let ruled = args.config.as_ref().map(read).transpose()?;
-    let all: Vec<Told> = subjects.into_iter().map(|subject| check(args, subject)).collect();
-    let judged = ruled.as_ref().map(|ruled| ruled.judge(args, &all)).unwrap_or_default();
+    let bounds = |subject: &Subject| subject.bounds(args.requests, args.instances);
+    let (asked, limits) = (asked(args), args.limits.limits());
+    let check = |subject: Subject| {
+        let (known, bounds) = (args.given.times(&subject), bounds(&subject));
+        Told::check(subject, &asked, known, bounds, &limits)
+    };
+    let all: Vec<Told> = subjects.into_iter().map(check).collect();
+    let times = |subject: &Subject| args.given.times(subject).times;
+    let judged = ruled.as_ref().map(|ruled| ruled.judge(&all, bounds, times, &limits));
     if session.json {
         let all = all.iter().map(|told| {
-            let mut data = json(told);
-            if ruled.is_some() {
-                data["rules"] = ruled::data(&judged, &told.subject);
+            let mut data = told.data();
+            if let Some(judged) = &judged {
+                data["rules"] = rules::data(judged, &told.subject);
             }
             data
         });
         let all: Vec<_> = all.collect();
         session.print(&format!("{}\n", serde_json::json!({ "components": all })))?;
     } else {
-        let all = all.iter().map(|told| people(told) + &ruled::text(&judged, &told.subject));
+        let judged = judged.as_deref().unwrap_or_default();
+        let all = all.iter().map(|told| told.text() + &rules::text(judged, &told.subject));
         let all: Vec<_> = all.collect();
         session.print(&all.join("\n"))?;
     }
     trace::write(&args.trace, &all, session)?;
-    verdict(&all)
-}
-
-fn check(args: &Args, subject: Subject) -> Told {
-    let all = args.property.is_empty();
-    let asked = |property: &Property| all || args.property.contains(&Checked::Untimed(*property));
-    let properties: Vec<Property> = Property::ALL.into_iter().filter(asked).collect();
-    let bounds = args.bounds(&subject);
-    let system = System::new(&subject.plan, bounds);
-    let limits = args.limits.limits();
-    let report = system.check(&properties, &limits);
-    let known = args.given.times(&subject);
-    let times = known.times.clone().ok();
-    let ticks = if all || args.property.contains(&Checked::Overrun) {
-        Given::check(&subject, known.times, bounds, &limits)
-    } else {
-        Ticks::Unasked
-    };
-    Told { subject, found: Found { system, report, ticks }, measured: known.measured, times }
-}
-
-fn people(told: &Told) -> String {
-    let measured = told.measured.as_ref().map_or_else(String::new, Measured::text);
-    format!("{}{measured}{}", told.subject.heading(), text(&told.found, &told.subject.texts))
-}
-
-fn json(told: &Told) -> Value {
-    let mut data = data::data(&told.found, &told.subject.texts);
-    if let Some(running) = &told.subject.running {
-        data["instance"] = running.name.clone().into();
-        data["settings"] = serde_json::json!(running.tasks);
-    }
-    if let Some(measured) = &told.measured {
-        data["measured"] = measured.data();
-    }
-    data
-}
-
-fn verdict(all: &[Told]) -> Result<(), Failure> {
-    let (mut violated, mut undecided) = (0, 0);
-    for Told { found: one, measured, .. } in all {
-        violated += measured.as_ref().map_or(0, Measured::violated);
-        for (_, verdict) in &one.report.verdicts {
-            violated += usize::from(matches!(verdict, Verdict::Violated(_)));
-            undecided += usize::from(matches!(verdict, Verdict::Undecided(_)));
-        }
-        match &one.ticks {
-            Ticks::Seen(times) => {
-                violated += times.tasks.iter().filter(|task| task.is_late()).count();
-                undecided += times.tasks.iter().filter(|task| task.is_open()).count();
-            }
-            Ticks::Unknown(_) => undecided += 1,
-            Ticks::Unasked => {}
-        }
-    }
+    let violated: usize = all.iter().map(Told::violated).sum();
+    let undecided: usize = all.iter().map(Told::undecided).sum();
     if violated + undecided == 0 { Ok(()) } else { Err(Failure::Verdict { violated, undecided }) }
+}
+
+/// All properties, or those that were named.
+fn asked(args: &Args) -> Asked {
+    let asked = |one: Checked| args.property.is_empty() || args.property.contains(&one);
+    let untimed = |property: &Property| asked(Checked::Untimed(*property));
+    Asked {
+        properties: Property::ALL.into_iter().filter(untimed).collect(),
+        overrun: asked(Checked::Overrun),
+    }
 }

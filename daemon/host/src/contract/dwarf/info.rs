@@ -2,13 +2,13 @@
 
 use std::collections::HashMap;
 
+use genom_elf::Sections;
 use gimli::{
     AttributeValue, DebuggingInformationEntry, DwTag, Dwarf, EndianSlice, EntriesTreeNode,
     RunTimeEndian, Unit,
 };
 
 use super::node::{At, Composite, Function, Member, Node};
-use super::sections::Sections;
 
 type Reader<'a> = EndianSlice<'a, RunTimeEndian>;
 type Entry<'a> = DebuggingInformationEntry<Reader<'a>>;

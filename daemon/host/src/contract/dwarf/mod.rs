@@ -4,11 +4,11 @@ mod classes;
 mod compare;
 mod info;
 mod node;
-mod sections;
 mod untold;
 
 use genom_description::model::{Codel, Component, Owner, Span};
 use genom_description_tools as tools;
+use genom_elf::Sections;
 use genom_runtime::plan::Plan;
 use genom_types::TypeId;
 
@@ -18,7 +18,6 @@ use crate::cxx::{self, Function};
 use crate::library::Library;
 use compare::Comparison;
 use info::{DebugInfo, Wanted};
-use sections::Sections;
 pub(super) use untold::Untold;
 
 /// Result of the comparison.

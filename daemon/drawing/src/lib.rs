@@ -1,0 +1,12 @@
+//! Draws what a daemon says: for `genomctl`, which asks it.
+//!
+//! [`plot`] draws numbers over time and [`top`] what goes on now, both in a terminal or as text;
+//! [`picture`] draws what runs and its connections as SVG and in the languages of Graphviz and
+//! Mermaid. [`units`] formats quantities.
+
+#![forbid(unsafe_code)]
+
+pub mod picture;
+pub mod plot;
+pub mod top;
+pub mod units;
