@@ -69,7 +69,8 @@ impl System {
             });
             if let Some(run) = run {
                 (found.overrun, found.open) = (self.dated(times, &run), false);
-                found.course = Course { steps: run };
+                // Runs of parts are not always ones that the runtime plays.
+                found.course = Course::default();
                 // The longest cycle of what was seen need not be the longest one.
                 found.response = None;
                 found.slowest.clear();

@@ -21,8 +21,8 @@ use crate::session::Session;
 /// whatever codels yield and clients ask. A component that runs is checked with its configuration.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Properties: start, stuck, reach, loop, stop, order and exclude need no times; overrun takes the wcet \
-of the description, or --wcet. docs/verify.md says what each means, and what is assumed.
+Properties: start, stuck, reach, loop, stop, order, exclude and answer need no times; overrun takes \
+the wcet of the description, or --wcet. docs/verify.md says what each means, and what is assumed.
 
 With --config, rules of supervision are told as `cannot fire` (no run breaks it), `can fire` (with a \
 shortest run), `always fires` (its bound or order is wrong) or `not decided`. They do not change the \
