@@ -119,13 +119,13 @@ fn a_token_in_the_address_gives_its_rights_for_as_long_as_it_is_known() {
     assert_eq!(hand.ask("set", &[json!(speed), json!(2)])[0]["value"], 2.0);
     // The token's rights are changed, then it is removed.
     write_tokens(daemon.home(), &[("eye", READER, "[\"read\"]"), ("hand", DRIVER, "[\"read\"]")]);
-    daemon.ctl(&["token", "--reload"]).expect_code(0);
+    daemon.ctl(&["token", "reload"]).expect_code(0);
     until("the right is gone", || {
         let answer = hand.ask("call", &[json!("/demo/set_speed"), json!({"velocity": 1.0})]);
         answer["failure"].as_str().is_some_and(|told| told.contains("needs the right `call`"))
     });
     write_tokens(daemon.home(), &[("eye", READER, "[\"read\"]")]);
-    daemon.ctl(&["token", "--reload"]).expect_code(0);
+    daemon.ctl(&["token", "reload"]).expect_code(0);
     hand.ask("closed", &[]);
     hand.is_told("its token is not known any more");
     eye.of_name("send", "still there?");
