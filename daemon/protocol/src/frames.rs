@@ -82,7 +82,7 @@ pub struct Channel {
 
 /// The channels that a recording of everything would have now.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
-#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema), schema(as = RecordingChannels))]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Channels {
     /// Those of the daemon's own subjects, then ports by component, as they are open or connected.
     pub channels: Vec<Channel>,

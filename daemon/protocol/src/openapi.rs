@@ -5,13 +5,13 @@ use utoipa::OpenApi;
 
 use crate::{
     Aborted, About, Activities, AllAborted, Answers, Applied, BlackBox, BlackBoxLeft, CellEnds,
-    Cells, Change, Clock, ComponentReload, Components, Connection, ConnectionRequest, Connections,
-    CrashReport, Crashes, Daemons, DeploymentRequest, Description, Disconnected, Dumped, Findings,
-    Fired, Frozen, GoesOn, Histograms, Inputs, Link, LinkRequest, LoadRequest, Logs, Middlewares,
-    MoveRequest, Moved, PlotColumns, Plots, PortTraffic, PortType, Ports, Published, Ready,
-    RecordingEnds, RecordingRequest, Refusal, ReloadRequest, Reloaded, Replayed, Started,
-    Statistics, StepRequest, Stopping, StreamEnd, TakenBack, ThawRequest, Thawed, Timeline,
-    Unloaded, frames,
+    Cells, Change, Cleared, Clock, ComponentReload, Components, Connection, ConnectionRequest,
+    Connections, CrashReport, Crashes, Daemons, DeploymentRequest, Description, Disconnected,
+    Dumped, ExecutionKind, Findings, Fired, Frozen, GoesOn, Histograms, Inputs, Link, LinkRequest,
+    LoadRequest, Logs, Middlewares, MoveRequest, Moved, PlotColumns, Plots, PortTraffic, PortType,
+    Ports, Published, Ready, RecordingEnds, RecordingRequest, Refusal, ReloadRequest, Reloaded,
+    Replayed, Started, Statistics, StepRequest, Stopping, StreamEnd, TakenBack, ThawRequest,
+    Thawed, Timeline, Unloaded, Withheld, frames,
 };
 
 /// Lists all types that cross the control plane, including those of streams and recordings, to
@@ -29,6 +29,7 @@ use crate::{
     CellEnds,
     Cells,
     Change,
+    Cleared,
     Clock,
     ComponentReload,
     Components,
@@ -42,6 +43,7 @@ use crate::{
     Description,
     Disconnected,
     Dumped,
+    ExecutionKind,
     Findings,
     Fired,
     Frozen,
@@ -78,7 +80,9 @@ use crate::{
     Thawed,
     Timeline,
     Unloaded,
+    Withheld,
     frames::Channel,
+    frames::Channels,
     frames::End,
     frames::Lost,
     frames::Start
