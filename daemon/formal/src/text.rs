@@ -17,10 +17,8 @@ const LAST: usize = 20;
 pub fn text(found: &Found, sources: &SourceMap) -> String {
     let mut text = format!("component {}\n", found.system.plan().component().name);
     let report = &found.report;
-    let properties = report.verdicts.iter().map(|(property, one)| (property.name().into(), one));
-    let formulas = report.formulas.iter().map(|(formula, one)| (format!("ltl {formula}  "), one));
-    for (name, verdict) in properties.chain(formulas) {
-        let name: &str = &name;
+    for (property, verdict) in &report.verdicts {
+        let name = property.name();
         match verdict {
             Verdict::Holds => line(&mut text, name, "holds"),
             Verdict::Undecided(why) => line(&mut text, name, &format!("not decided: {why}")),

@@ -10,8 +10,8 @@ use crate::{
     Dumped, ExecutionKind, Findings, Fired, Frozen, GoesOn, Histograms, Inputs, Link, LinkRequest,
     LoadRequest, Logs, Middlewares, MoveRequest, Moved, PlotColumns, Plots, PortTraffic, PortType,
     Ports, Published, Ready, RecordingEnds, RecordingRequest, Refusal, ReloadRequest, Reloaded,
-    Replayed, Started, Statistics, StepRequest, Stopping, StreamEnd, TakenBack, ThawRequest,
-    Thawed, Timeline, Unloaded, Withheld, frames,
+    Replayed, Sources, Started, Statistics, StepRequest, Stopping, StreamEnd, TakenBack,
+    ThawRequest, Thawed, Timeline, Unloaded, Withheld, frames,
 };
 
 /// Lists all types that cross the control plane, including those of streams and recordings, to
@@ -70,6 +70,7 @@ use crate::{
     ReloadRequest,
     Reloaded,
     Replayed,
+    Sources,
     Started,
     Statistics,
     StepRequest,

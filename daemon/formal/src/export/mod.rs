@@ -1,6 +1,5 @@
 //! The model in the languages of other tools, to be checked by them (`docs/verify.md`).
 
-mod claim;
 mod error;
 mod flat;
 mod promela;
@@ -11,7 +10,6 @@ mod uppaal;
 pub use error::ExportError;
 
 use crate::explore::Limits;
-use crate::ltl::Formula;
 use crate::system::System;
 use crate::timed::Times;
 
@@ -42,23 +40,6 @@ impl Format {
 }
 
 impl System {
-    /// The model in Promela with a formula as its claim `user`.
-    ///
-    /// # Errors
-    /// If Promela cannot express the component or the formula, or the formula takes times and there
-    /// are none.
-    pub fn export_claim(
-        &self,
-        formula: &Formula,
-        times: Option<&Times>,
-    ) -> Result<String, ExportError> {
-        if formula.has_late() && times.is_none() {
-            return Err(ExportError::NoTimes);
-        }
-        let claim = claim::claim(self, formula).ok_or(ExportError::Past)?;
-        Ok(promela::promela(self, times)? + &claim)
-    }
-
     /// The model as a text, with the commands that check it as comments.
     ///
     /// # Errors

@@ -4,7 +4,6 @@ use super::parts::Parts;
 use super::verdict::{Property, Verdict};
 use super::{answer, graph, order, untimed};
 use crate::explore::{Explored, Limits};
-use crate::ltl::Formula;
 use crate::system::System;
 
 /// Verdicts, and how they were found.
@@ -12,8 +11,6 @@ use crate::system::System;
 pub struct Report {
     /// Each property that was asked for, in the order of [`Property::ALL`].
     pub verdicts: Vec<(Property, Verdict)>,
-    /// Formulas of users.
-    pub formulas: Vec<(Formula, Verdict)>,
     /// The states that were explored; `None` if no property needed that.
     pub explored: Option<Explored>,
 }
@@ -57,6 +54,6 @@ impl System {
         };
         let asked = Property::ALL.into_iter().filter(asked);
         let verdicts = asked.filter_map(verdict).collect();
-        Report { verdicts, formulas: Vec::new(), explored: found.map(|found| found.explored) }
+        Report { verdicts, explored: found.map(|found| found.explored) }
     }
 }

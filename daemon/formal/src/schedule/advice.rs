@@ -1,6 +1,7 @@
 //! What would have to change so that a task is in time.
 
-use super::report::{Cause, Processors, Schedule};
+use super::known::Cause;
+use super::report::{Processors, Schedule};
 use crate::codels::small;
 use crate::system::System;
 use crate::timed::Times;

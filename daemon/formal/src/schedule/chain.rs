@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::contexts::{Ahead, Contexts};
+use super::contexts::{Adds, Ahead, Contexts};
 use crate::system::System;
 use crate::timed::Times;
 
@@ -27,6 +27,30 @@ pub(super) struct Chains<'a> {
     counts: &'a dyn Fn(u16) -> bool,
     /// The longest chain from there, and its first link.
     known: HashMap<At, (u64, Option<(u16, u16)>)>,
+}
+
+impl Contexts {
+    /// What may be ahead of a context that arrives at a node: who arrives later is behind, so each
+    /// other context is there once at most, with a node that conflicts, or that one of those waits
+    /// for. Only contexts that `counts` accepts are listed.
+    pub(super) fn ahead(
+        &self,
+        system: &System,
+        times: &Times,
+        (own, node): (u16, u16),
+        counts: &dyn Fn(u16) -> bool,
+        adds: Adds,
+    ) -> Vec<Ahead> {
+        let all = self.all(system, times, (own, node), counts);
+        if adds == Adds::All {
+            return all;
+        }
+        let sum = |ahead: &[Ahead]| ahead.iter().map(|one| one.time).fold(0, u64::saturating_add);
+        match Chains::new(self, times, own, counts).longest(system, node) {
+            Some(chain) if sum(&chain) <= sum(&all) => chain,
+            _ => all,
+        }
+    }
 }
 
 impl<'a> Chains<'a> {

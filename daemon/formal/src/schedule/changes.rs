@@ -1,7 +1,7 @@
 //! What would have to change so that tasks of a machine are in time.
 
+use super::known::Cause;
 use super::machine::{Job, Machine};
-use super::report::Cause;
 
 /// Times are found to this many nanoseconds.
 const STEP: u64 = 1_000;

@@ -1,6 +1,5 @@
 //! Who executes which nodes, and how long one waits for others (R5).
 
-use super::chain::Chains;
 use crate::codels::small;
 use crate::services::Work;
 use crate::system::System;
@@ -77,30 +76,8 @@ impl Contexts {
         context < self.tasks
     }
 
-    /// What may be ahead of a context that arrives at a node: who arrives later is behind, so each
-    /// other context is there once at most, with a node that conflicts, or that one of those waits
-    /// for. Only contexts that `counts` accepts are listed.
-    pub(super) fn ahead(
-        &self,
-        system: &System,
-        times: &Times,
-        (own, node): (u16, u16),
-        counts: &dyn Fn(u16) -> bool,
-        adds: Adds,
-    ) -> Vec<Ahead> {
-        let all = self.all(system, times, (own, node), counts);
-        if adds == Adds::All {
-            return all;
-        }
-        let sum = |ahead: &[Ahead]| ahead.iter().map(|one| one.time).fold(0, u64::saturating_add);
-        match Chains::new(self, times, own, counts).longest(system, node) {
-            Some(chain) if sum(&chain) <= sum(&all) => chain,
-            _ => all,
-        }
-    }
-
     /// All that may be ahead, whether it waits for each other or not.
-    fn all(
+    pub(super) fn all(
         &self,
         system: &System,
         times: &Times,

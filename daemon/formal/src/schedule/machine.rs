@@ -9,8 +9,9 @@ use genom_description::model::{Ix as _, TaskIx};
 
 use super::contexts::{Adds, Contexts};
 use super::cycle::{Costs, Cycle};
+use super::known::Cause;
 use super::processors::{Load, alone, together};
-use super::report::{Cause, Scheduled};
+use super::report::Scheduled;
 use crate::system::System;
 use crate::timed::Times;
 

@@ -10,6 +10,7 @@ mod changes;
 mod contexts;
 mod cycle;
 mod dearest;
+mod known;
 mod machine;
 mod processors;
 mod report;
@@ -20,5 +21,6 @@ mod window;
 
 pub use changes::Change;
 pub(crate) use dearest::Dearest;
+pub use known::{Cause, Meanwhile};
 pub use machine::{Machine, OnMachine, Placed, Threads};
-pub use report::{Called, Cause, Meanwhile, Processors, Schedule, Scheduled, Waits};
+pub use report::{Called, Processors, Schedule, Scheduled, Waits};

@@ -3,7 +3,7 @@
 
 use super::contexts::{Adds, Contexts};
 use super::cycle::Costs;
-use super::report::{Cause, Known};
+use super::known::{Cause, Known};
 use crate::system::{Period, System};
 use crate::timed::Times;
 

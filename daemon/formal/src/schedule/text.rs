@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 
 use super::changes::Change;
+use super::known::Cause;
 use super::machine::OnMachine;
-use super::report::{Called, Cause, Schedule, Scheduled};
+use super::report::{Called, Schedule, Scheduled};
 use crate::text::duration;
 
 impl Schedule {

@@ -5,7 +5,7 @@
 
 use super::contexts::{Adds, Contexts};
 use super::cycle::{Costs, Cycle};
-use super::report::{Known, Meanwhile};
+use super::known::{Known, Meanwhile};
 use crate::codels::small;
 use crate::system::{Period, System};
 use crate::timed::Times;
