@@ -29,7 +29,8 @@ impl Told {
         for (name, measured) in &self.measured {
             text.push_str(&format!("{name}, measured:\n{}", measured.text()));
         }
-        text.push_str(&format!("{} processors\n", self.processors));
+        let plural = if self.processors == 1 { "" } else { "s" };
+        text.push_str(&format!("{} processor{plural}\n", self.processors));
         for one in &self.tasks {
             text.push_str(&one.text());
         }

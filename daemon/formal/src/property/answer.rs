@@ -16,6 +16,8 @@ use super::followed::{
 use super::graph::{ends_from, reached};
 use super::order::needed;
 use super::verdict::{Finding, Verdict, verdict};
+use genom_description::model::{Ix as _, ServiceIx};
+
 use crate::action::{Action, Answer};
 use crate::codels::small;
 use crate::explore::{Limit, Limits};
@@ -207,7 +209,7 @@ impl Graph {
         let what =
             format!("a request of {name} may never be answered: {}", why(system, state, service));
         let model = &system.plan.component().services;
-        let span = model.iter().nth(usize::from(service)).map(|service| service.span);
+        let span = model.get(ServiceIx::new(service.into())).map(|service| service.span);
         Finding { what, span, run: self.lines(system, at) }
     }
 

@@ -194,11 +194,11 @@ mod tests {
     fn what_began_later_can_do_all_that_what_began_before_can() {
         let guards =
             |least| [Guards { least: Some(10), most: Some(10) }, Guards { least, most: Some(5) }];
-        // A clock that ends by 5, begun when the other one was at 2, and at 3.
+        // A clock that ends by 5, begun when the other one was at 2, and at 3; both seen from 3 on.
         let began = |date: i64, least: Option<i64>| {
             let mut zone = Zone::point(&[date, 0]);
             zone.up();
-            assert!(zone.at_most(1, 10) && zone.at_most(2, 5));
+            assert!(zone.at_least(1, 3) && zone.at_most(1, 10) && zone.at_most(2, 5));
             zone.extrapolate(&guards(least));
             zone
         };

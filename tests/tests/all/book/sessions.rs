@@ -71,7 +71,6 @@ sessions! {
     "deployment": a_robot_is_deployed_from_a_file,
     "debugging": what_is_wrong_is_found,
     "python": python_drives_the_demo,
-    "timing": tasks_are_shown_to_be_late_before_while_and_after,
     "realtime": the_time_of_tasks_is_told,
     "isolation": a_component_in_a_cell_comes_back,
 }
