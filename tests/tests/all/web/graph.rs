@@ -271,9 +271,7 @@ fn the_graph_comes_back_by_itself_when_the_daemon_does() {
         "document.getElementById('state').innerText === 'live' && !document.querySelector('.edge') \
          && document.querySelectorAll('.port').length === 5",
     );
-    browser.drag("[data-port='demo/position']", "[data-port='mission/position']");
-    browser.until_shown("demo/position → mission/position");
-    browser.type_keys(ENTER);
-    until_answer("demo/position", || first_out(&daemon));
+    daemon.ctl(&["connect", "mission/position", "demo/position"]).expect_code(0);
+    browser.until("what the new daemon connects is drawn", "document.querySelector('.edge')");
     assert_eq!(browser.ask("return window.sameDocument"), true);
 }
