@@ -206,10 +206,19 @@ impl Browser {
         self.runtime.block_on(typing).unwrap_or_else(|error| panic!("{keys:?}: {error}"));
     }
 
-    /// Drags from the middle of an element to the middle of another.
+    /// Drags from the middle of an element to the middle of another, once both stand still.
     #[track_caller]
     pub fn drag(&self, from: &str, to: &str) {
-        let [from, to] = [from, to].map(|css| self.middle(css));
+        let mut places = [from, to].map(|css| self.middle(css));
+        let end = Instant::now() + WATCHDOG;
+        loop {
+            let now = [from, to].map(|css| self.middle(css));
+            if now == std::mem::replace(&mut places, now) {
+                break;
+            }
+            assert!(Instant::now() < end, "{from} and {to} do not stand still");
+        }
+        let [from, to] = places;
         let to_point = |[x, y]: [f64; 2]| PointerAction::MoveTo { duration: None, x, y };
         let half = [0, 1].map(|axis| f64::midpoint(from[axis], to[axis]).round());
         let drag = MouseActions::new("mouse".to_owned())
