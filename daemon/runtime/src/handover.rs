@@ -54,34 +54,19 @@ impl Engine {
         convert: impl FnOnce(Frozen, &HeirIds<'_>) -> Result<Resume, E>,
         exchange: impl FnOnce(&dyn Body, &dyn Body),
     ) -> Result<Result<(), E>, NoRest> {
-        let work = |still: &mut Still<'_>| -> Result<Result<(), E>, NoRest> {
-            let (window, begin) = (Window::open(heir), Instant::now());
-            let frozen = self.frozen_now(still, &mut || {}).map_err(|error| match error {
-                FreezeError::Busy(held_up) => NoRest::HeldUp(held_up),
-                FreezeError::Stopping { instance } => NoRest::Stops { instance },
-            })?;
-            let ids = |change: &mut dyn FnMut(&mut Record)| {
-                let _gates: Vec<_> = heir.gates.iter().map(|gate| gate.lock()).collect();
-                heir.change_ids(change);
-            };
-            let mut resume = match convert(frozen, &ids) {
-                Ok(resume) => resume,
-                Err(why) => return Ok(Err(why)),
-            };
-            resume.hold = true;
-            let moved = self.give_replies(&mut resume);
-            let next = self.lock().next_id;
-            heir.renumber(next);
-            heir.resume(resume);
-            exchange(self.shared.body.as_ref(), heir.shared.body.as_ref());
-            heir.go_on();
-            drop(window);
-            tracing::info!(instance = self.name, "handed over in {:?}", begin.elapsed());
-            self.retire(still, &moved);
-            self.stop_activities(None);
-            Ok(Ok(()))
+        let mut steps = Some((convert, exchange));
+        let work = |still: &mut Still<'_>, early| {
+            // Ticks of the heir wait before the date is read: those that did not wait are earlier.
+            let window = Window::open(heir);
+            let (date, all) = still.served(&self.shared.tasks, self.shared.clock.now());
+            if !all && early {
+                return None;
+            }
+            let (convert, exchange) = steps.take()?;
+            heir.shared.served_before.store(date, Ordering::Release);
+            Some(self.hand_over_now(window, still, convert, exchange))
         };
-        let done = self.still_at_rest(limit, true, work)??;
+        let done = self.still_at_rest(limit, work)??;
         if done.is_ok() {
             if self.driven.is_some() {
                 self.drive_shutdown(deadline);
@@ -89,6 +74,41 @@ impl Engine {
             self.shared.wake_control();
         }
         Ok(done)
+    }
+
+    /// The same, at this moment.
+    fn hand_over_now<E>(
+        &self,
+        window: Window<'_>,
+        still: &mut Still<'_>,
+        convert: impl FnOnce(Frozen, &HeirIds<'_>) -> Result<Resume, E>,
+        exchange: impl FnOnce(&dyn Body, &dyn Body),
+    ) -> Result<Result<(), E>, NoRest> {
+        let (heir, begin) = (window.0, Instant::now());
+        let frozen = self.frozen_now(still, &mut || {}).map_err(|error| match error {
+            FreezeError::Busy(held_up) => NoRest::HeldUp(held_up),
+            FreezeError::Stopping { instance } => NoRest::Stops { instance },
+        })?;
+        let ids = |change: &mut dyn FnMut(&mut Record)| {
+            let _gates: Vec<_> = heir.gates.iter().map(|gate| gate.lock()).collect();
+            heir.change_ids(change);
+        };
+        let mut resume = match convert(frozen, &ids) {
+            Ok(resume) => resume,
+            Err(why) => return Ok(Err(why)),
+        };
+        resume.hold = true;
+        let moved = self.give_replies(&mut resume);
+        let next = self.lock().next_id;
+        heir.renumber(next);
+        heir.resume(resume);
+        exchange(self.shared.body.as_ref(), heir.shared.body.as_ref());
+        heir.go_on();
+        drop(window);
+        tracing::info!(instance = self.name, "handed over in {:?}", begin.elapsed());
+        self.retire(still, &moved);
+        self.stop_activities(None);
+        Ok(Ok(()))
     }
 
     /// Gives the replies of activities that go on to `resume`. Returns all that it goes on with.

@@ -66,16 +66,17 @@ impl Engine {
         limit: Duration,
         work: impl FnOnce(Rest<'_>) -> R,
     ) -> Result<R, NoRest> {
-        self.still_at_rest(limit, false, |_| work(Rest(self.shared.body.as_ref())))
+        let mut work = Some(work);
+        let rest = || Rest(self.shared.body.as_ref());
+        self.still_at_rest(limit, |_, _| work.take().map(|work| work(rest())))
     }
 
-    /// The same, with what is kept still. `served`: only at a moment at which no tick that was due is
-    /// waiting to be served, unless there is none for half of the time.
+    /// The same, with what is kept still. `work` is called again, at another moment, if it returns
+    /// `None`; it hears whether more than half of the time is left for that.
     pub(crate) fn still_at_rest<R>(
         &self,
         limit: Duration,
-        served: bool,
-        work: impl FnOnce(&mut Still<'_>) -> R,
+        mut work: impl FnMut(&mut Still<'_>, bool) -> Option<R>,
     ) -> Result<R, NoRest> {
         let instance = || self.name.clone();
         let begin = Instant::now();
@@ -86,12 +87,11 @@ impl Engine {
                 return Err(NoRest::Stops { instance: instance() });
             }
             match self.try_rest() {
-                Ok(still)
-                    if served && begin.elapsed() < limit / 2 && !self.has_served_its_ticks() =>
-                {
-                    drop(still);
+                Ok(mut still) => {
+                    if let Some(done) = work(&mut still, begin.elapsed() < limit / 2) {
+                        return Ok(done);
+                    }
                 }
-                Ok(mut still) => return Ok(work(&mut still)),
                 Err(task) => restless = restless.max(task),
             }
             let late = Instant::now() >= end;
@@ -109,15 +109,6 @@ impl Engine {
             }
             std::thread::park_timeout(LOOK);
         }
-    }
-
-    /// Whether no tick that was due is waiting to be served.
-    fn has_served_its_ticks(&self) -> bool {
-        let now = self.shared.clock.now();
-        self.shared.tasks.iter().all(|task| {
-            let due = task.timing.map(|timing| timing.after(now).saturating_sub(timing.period));
-            due.is_none_or(|due| self.driven.is_some() || task.figures.cycles.last() >= due)
-        })
     }
 
     /// Keeps all codels from running, if none does and all activities are at a pause; otherwise

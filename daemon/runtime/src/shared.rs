@@ -46,6 +46,9 @@ pub(crate) struct Shared {
     pub(crate) takes_over: AtomicBool,
     /// Locked meanwhile.
     pub(crate) turnstile: PiLock,
+    /// Ticks until this date were served by the instance that handed over to this one; 0 if none
+    /// did.
+    pub(crate) served_before: AtomicU64,
     /// Notices dropped because the ring was full.
     pub(crate) lost: Counter,
 }
@@ -113,9 +116,19 @@ impl Shared {
             held: AtomicBool::new(false),
             takes_over: AtomicBool::new(false),
             turnstile: PiLock::default(),
+            served_before: AtomicU64::new(0),
             lost: Counter::default(),
             plan: Arc::clone(plan),
         }
+    }
+
+    /// Whether the tick that a periodic task serves in a pass at date `now` was served already by
+    /// the instance that handed over to this one: a thread that woke late comes to it after that.
+    #[inline]
+    pub(crate) fn was_served(&self, task: TaskIx, now: u64) -> bool {
+        let before = self.served_before.load(Ordering::Acquire);
+        let timing = if before == 0 { None } else { self.tasks[task].timing };
+        timing.is_some_and(|timing| timing.count(now) <= timing.count(before))
     }
 
     /// The context that excludes everything; one thread at a time uses it.

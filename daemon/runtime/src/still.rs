@@ -2,9 +2,12 @@
 
 use std::time::{Duration, Instant};
 
+use genom_description::model::{Indexed, TaskIx};
+
 use crate::engine::Engine;
 use crate::exclusion::Permit;
 use crate::lock::Guard;
+use crate::shared::TaskShared;
 use crate::task::driven::DrivenTask;
 use crate::task::gate::Held;
 
@@ -22,6 +25,18 @@ pub(crate) struct Still<'a> {
     _permit: Permit<'a>,
     _one: Guard<'a, ()>,
     _driven: Option<Guard<'a, Vec<DrivenTask>>>,
+}
+
+impl Still<'_> {
+    /// Date until which each periodic task has served its ticks, or missed them; and whether none
+    /// that is due at date `now` is left.
+    pub(crate) fn served(&self, tasks: &Indexed<TaskIx, TaskShared>, now: u64) -> (u64, bool) {
+        let last = tasks.iter().zip(&self.tasks).filter_map(|(task, inside)| {
+            let timing = task.timing?;
+            (timing.count(inside.passed) < timing.count(now)).then_some(inside.passed)
+        });
+        last.min().map_or((now, true), |earliest| (earliest, false))
+    }
 }
 
 impl Engine {

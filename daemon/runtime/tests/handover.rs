@@ -90,7 +90,7 @@ fn each_tick_is_served_once_by_one_of_the_two_and_an_activity_goes_on() {
     let due = slots.last().unwrap() - slots.first().unwrap() + 1;
     let made = slots.len() as u64;
     assert!(made + missed >= due, "{made} of {due} ticks, {missed} were missed by themselves");
-    assert!(made <= due + missed + 2, "{made} of {due} ticks");
+    assert!(made <= due + missed, "{made} of {due} ticks, {missed} were missed by themselves");
 }
 
 fn overruns(instance: &Instance) -> u64 {

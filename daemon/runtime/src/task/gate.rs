@@ -29,6 +29,8 @@ pub(crate) struct TaskSide {
 pub(crate) struct Inside {
     pub(crate) core: Core,
     pub(crate) side: TaskSide,
+    /// Date at which the last cycle began: the ticks until then are served, or missed.
+    pub(crate) passed: u64,
 }
 
 impl Inside {

@@ -35,7 +35,7 @@ impl Runner {
         let fired = Vec::with_capacity(model.sinks.len());
         // Capacity for all runs that the task can have at once: it never allocates.
         let core = Core::new(side.inbox.buffer().capacity() + 2, by_period);
-        let gate = Arc::new(Gate::new(Inside { core, side }));
+        let gate = Arc::new(Gate::new(Inside { core, side, passed: 0 }));
         Self { shared, task, gate, fired, started: false, end: 0 }
     }
 
@@ -72,8 +72,14 @@ impl Runner {
             shared.turnstile.unlock();
             inside = self.gate.lock();
         }
+        if runnable {
+            inside.passed = now;
+            if self.started && shared.was_served(task, now) {
+                return Passed::default();
+            }
+        }
         inside.admit_sent();
-        let Inside { core, side } = &mut *inside;
+        let Inside { core, side, .. } = &mut *inside;
         shared.tasks[task].take_fired(&shared.plan, &mut self.fired);
         if core.is_empty() {
             return Passed::default();
