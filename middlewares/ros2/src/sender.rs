@@ -210,7 +210,8 @@ impl sender::Line for Line {
     fn send(&mut self) -> bool {
         let writer = self.writer.guid();
         let Some(message) = self.outlet.take() else { return false };
-        for handle in self.feeds.of(&self.topic) {
+        let own = self.feeds.of(&self.topic);
+        for handle in &own {
             handle.feed.hear(writer, message.as_ref());
         }
         let message = Bytes::from_owner(message);
@@ -218,7 +219,11 @@ impl sender::Line for Line {
         self.last = Some(payload.clone());
         let options = self.numbering.next(Timestamp::now());
         if let Err(error) = self.writer.write_with_options(Payload(payload), options) {
-            self.outlet.refuse();
+            // What only this daemon reads was not lost: its in ports have it already.
+            let others = |feed: &Feed| !feed.graph.others(&self.topic, false).is_empty();
+            if own.first().is_none_or(|handle| others(&handle.feed)) {
+                self.outlet.refuse();
+            }
             tracing::debug!(%error, "DDS refused a sample");
         }
         true
