@@ -3,6 +3,8 @@
 
 use std::fmt::Write as _;
 
+use genom_drawing::xml::escaped;
+
 use crate::report::{ConnectionReport, Report, WayReport, short};
 
 /// Measures of the drawing, in its units: pixels unless it is scaled.
@@ -167,21 +169,6 @@ fn panel(body: &mut String, mut y: f64, title: &str, bars: &[Bar]) -> f64 {
 fn text(body: &mut String, x: f64, y: f64, class: &str, content: &str) {
     let content = escaped(content);
     let _ = writeln!(body, "<text class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\">{content}</text>");
-}
-
-/// A text as XML allows it; other characters than these are not of XML at all.
-fn escaped(text: &str) -> String {
-    let mut out = String::new();
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push(' '),
-            c => out.push(c),
-        }
-    }
-    out
 }
 
 #[cfg(test)]

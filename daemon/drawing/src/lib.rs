@@ -2,7 +2,7 @@
 //!
 //! [`plot`] draws numbers over time and [`top`] what goes on now, both in a terminal or as text;
 //! [`picture`] draws what runs and its connections as SVG and in the languages of Graphviz and
-//! Mermaid. [`units`] formats quantities.
+//! Mermaid. [`units`] formats quantities, and [`xml`] text in SVG.
 
 #![forbid(unsafe_code)]
 
@@ -10,3 +10,4 @@ pub mod picture;
 pub mod plot;
 pub mod top;
 pub mod units;
+pub mod xml;

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use super::colour;
 use super::layout::{Area, HEAD, Layout, MARGIN, TITLE, middle, width};
 use super::system::{Edge, Node, System, hertz, words};
+use crate::xml::escaped;
 
 /// How it looks, on white and on black: colours of text and frames follow the reader's choice.
 const STYLE: &str = "
@@ -142,21 +143,6 @@ fn write_text(out: &mut String, class: &str, x: f64, y: f64, anchor: &str, text:
         "<text class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{}</text>",
         escaped(text)
     );
-}
-
-/// A text within an element. Characters that XML does not have are left out.
-fn escaped(text: &str) -> String {
-    let mut out = String::new();
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push(' '),
-            c => out.push(c),
-        }
-    }
-    out
 }
 
 #[cfg(test)]

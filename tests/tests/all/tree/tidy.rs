@@ -41,7 +41,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-blackbox", &[]),
     ("genom-recording", &["genom-protocol"]),
     ("genom-apart", &[]),
-    ("genom-comparison", &["genom-apart", "genom-protocol"]),
+    ("genom-comparison", &["genom-apart", "genom-drawing", "genom-protocol"]),
     ("genom-stage", &["genom-description", "genom-middleware", "genom-runtime", "genom-types"]),
     ("genom-scenario", &["genom-apart", "genom-nearest", "genom-protocol", "genom-stage"]),
     ("genom-ports", PORTS),
