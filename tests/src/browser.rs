@@ -5,10 +5,11 @@
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::TcpStream;
 use std::process::Command;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use fantoccini::actions::{
     InputSource as _, MOUSE_BUTTON_LEFT, MOUSE_BUTTON_RIGHT, MouseActions, PointerAction,
+    TouchActions,
 };
 use fantoccini::{Client, ClientBuilder, Locator};
 use hyper_util::client::legacy::connect::HttpConnector;
@@ -175,7 +176,7 @@ impl Browser {
     /// Clicks on an element with the right button.
     #[track_caller]
     pub fn click_right(&self, css: &str) {
-        let [x, y] = self.middle(css);
+        let [[x, y]] = self.places([css]);
         let click = MouseActions::new("mouse".to_owned())
             .then(PointerAction::MoveTo { duration: None, x, y })
             .then(PointerAction::Down { button: MOUSE_BUTTON_RIGHT })
@@ -183,14 +184,14 @@ impl Browser {
         self.runtime.block_on(self.client.perform_actions(click)).expect("the mouse clicks");
     }
 
-    /// Presses the left button on an element and keeps it down, until [`release`](Self::release).
+    /// Puts a finger on an element and keeps it there, until [`release`](Self::release).
     #[track_caller]
     pub fn hold(&self, css: &str) {
-        let [x, y] = self.middle(css);
-        let down = MouseActions::new("mouse".to_owned())
+        let [[x, y]] = self.places([css]);
+        let down = TouchActions::new("finger".to_owned())
             .then(PointerAction::MoveTo { duration: None, x, y })
             .then(PointerAction::Down { button: MOUSE_BUTTON_LEFT });
-        self.runtime.block_on(self.client.perform_actions(down)).expect("the mouse is pressed");
+        self.runtime.block_on(self.client.perform_actions(down)).expect("the finger is down");
     }
 
     /// Lets go of what is held down.
@@ -206,24 +207,37 @@ impl Browser {
         self.runtime.block_on(typing).unwrap_or_else(|error| panic!("{keys:?}: {error}"));
     }
 
-    /// Drags from the middle of an element to the middle of another, once both stand still.
+    /// The middles of elements, once all is there that a page waits for and they stand still.
     #[track_caller]
-    pub fn drag(&self, from: &str, to: &str) {
-        let mut places = [from, to].map(|css| self.middle(css));
+    fn places<const N: usize>(&self, css: [&str; N]) -> [[f64; 2]; N] {
+        self.until("nothing is waited for", "!document.querySelector('[aria-busy=true]')");
+        let mut places = css.map(|css| self.middle(css));
         let end = Instant::now() + WATCHDOG;
         loop {
-            let now = [from, to].map(|css| self.middle(css));
+            let now = css.map(|css| self.middle(css));
             if now == std::mem::replace(&mut places, now) {
-                break;
+                return places;
             }
-            assert!(Instant::now() < end, "{from} and {to} do not stand still");
+            assert!(Instant::now() < end, "{css:?} do not stand still");
         }
-        let [from, to] = places;
+    }
+
+    /// Drags from the middle of an element to the middle of another.
+    #[track_caller]
+    pub fn drag(&self, from: &str, to: &str) {
+        self.drag_after(Duration::ZERO, from, to);
+    }
+
+    /// The same, with the button held for a time before the mouse moves.
+    #[track_caller]
+    pub fn drag_after(&self, duration: Duration, from: &str, to: &str) {
+        let [from, to] = self.places([from, to]);
         let to_point = |[x, y]: [f64; 2]| PointerAction::MoveTo { duration: None, x, y };
         let half = [0, 1].map(|axis| f64::midpoint(from[axis], to[axis]).round());
         let drag = MouseActions::new("mouse".to_owned())
             .then(to_point(from))
             .then(PointerAction::Down { button: MOUSE_BUTTON_LEFT })
+            .then(PointerAction::Pause { duration })
             .then(to_point(half))
             .then(to_point(to))
             .then(PointerAction::Up { button: MOUSE_BUTTON_LEFT });

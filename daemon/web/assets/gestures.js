@@ -1,7 +1,10 @@
 // What the pointer and the keyboard do on the graph: drag an end to another, open menus, walk along
 // connections.
 
-/** Pixels after which a press is a drag, and milliseconds after which it opens the menu. */
+/**
+ * Pixels after which a press is a drag, and milliseconds after which one with a finger or a pen opens
+ * the menu. A mouse has a button for that, and who presses it may wait before dragging.
+ */
 const MOVES = 5;
 const LONG = 500;
 
@@ -23,7 +26,7 @@ export function pointer(canvas, view, line, acts) {
     const start = { x: event.clientX, y: event.clientY };
     const begun = acts.begin(key, event);
     let drags = false;
-    const long = setTimeout(() => {
+    const long = event.pointerType !== "mouse" && setTimeout(() => {
       end();
       pressed = true;
       addEventListener("pointerup", () => setTimeout(() => { pressed = false; }), { once: true });

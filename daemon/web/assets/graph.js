@@ -23,7 +23,7 @@ function help() {
   return el("details", { class: "soft" }, el("summary", {}, "How to connect"), el("dl", { class: "keys" },
     line("Connect", "Drag from an out port to an in port, or from a remote to a service. With the keyboard: Enter on both."),
     line("Move", "Drag the end of a connection, or its in port, to another in port."),
-    line("Disconnect and more", "Right click, long press, menu key or M, on a connection, a port or a component; Delete disconnects."),
+    line("Disconnect and more", "Right click, long touch, menu key or M, on a connection, a port or a component; Delete disconnects."),
     line("Look around", "Wheel or two fingers zoom, dragging moves. Arrow keys go along ports and connections.")));
 }
 
@@ -32,7 +32,7 @@ export async function graph(page, context) {
   const drawing = new Drawing();
   const line = svg("path", { class: "dragged", hidden: true });
   drawing.layer.append(line);
-  const canvas = svg("svg", { id: "graph", class: "graph", role: "group", "aria-label": "Graph of components" }, drawing.layer);
+  const canvas = svg("svg", { id: "graph", class: "graph", role: "group", "aria-label": "Graph of components", "aria-busy": "true" }, drawing.layer);
   const view = new View(canvas, drawing.layer, (box) => drawing.cull(box));
   const status = el("p", { class: "soft", role: "status", id: "graph-status" });
   const key = el("ul", { class: "legend", "aria-label": "Colours of middlewares" });
@@ -53,6 +53,7 @@ export async function graph(page, context) {
   const folds = new Map();
   const rates = new Rates();
   let known = [];
+  const awaited = new Set(["components", "connections", "ports", "middlewares"]);
   let shape = "";
   let picked = null;
   let dragged = null;
@@ -97,6 +98,8 @@ export async function graph(page, context) {
       if (view.chosen) drawing.cull(view.seen());
       else fit();
     }
+    // From now on what is drawn moves only when something changes.
+    if (awaited.size === 0) canvas.removeAttribute("aria-busy");
     drawing.tell(rateOf, (node) => node.component ? numbers.get(node.name) ?? 0 : 0);
   }
 
@@ -383,27 +386,29 @@ export async function graph(page, context) {
     if (!document.hidden && !stopped) {
       try {
         told.middlewares = (await get("/middlewares?visible=true")).middlewares;
-        later();
       } catch {
         // The live stream says when the daemon is away.
       }
+      awaited.delete("middlewares");
+      later();
     }
     if (!stopped && context.stillShown()) looking = setTimeout(lookAround, LOOKS);
   }
   let looking = setTimeout(lookAround, 0);
 
-  const good = (take) => (body, code) => {
+  const good = (what, take) => (body, code) => {
+    awaited.delete(what);
     if (code !== 200) return;
     take(body);
     later();
   };
   context.watch([
-    { path: "/components", take: good((body) => {
+    { path: "/components", take: good("components", (body) => {
       told.components = body.components;
       numbers = new Map(body.components.map((one) => [one.name, one.activities]));
     }) },
-    { path: "/connections", take: good((body) => { told.connections = body.connections; }) },
-    { path: "/ports?values=false", take: good((body) => {
+    { path: "/connections", take: good("connections", (body) => { told.connections = body.connections; }) },
+    { path: "/ports?values=false", take: good("ports", (body) => {
       told.ports = body.ports;
       rates.take(body.ports);
     }) },

@@ -17,11 +17,19 @@ export function menu({ x, y }, label, items, back = document.activeElement) {
     open = null;
     node.remove();
     removeEventListener("pointerdown", outside, true);
+    removeEventListener("keydown", escape, true);
     removeEventListener("blur", away);
     if (again && back?.isConnected) back.focus({ preventScroll: true });
   };
   const outside = (event) => node.contains(event.target) || close(false);
   const away = () => close(false);
+  // Wherever the focus is: what follows a touch may have taken it.
+  const escape = (event) => {
+    if (event.key !== "Escape") return;
+    close();
+    event.preventDefault();
+    event.stopPropagation();
+  };
   for (const item of items.filter(Boolean)) {
     if (typeof item === "string") {
       node.append(el("div", { class: "menu-about", role: "presentation" }, item));
@@ -36,7 +44,7 @@ export function menu({ x, y }, label, items, back = document.activeElement) {
   node.addEventListener("keydown", (event) => {
     const at = all.indexOf(document.activeElement);
     const to = { ArrowDown: at + 1, ArrowUp: at - 1 + all.length, Home: 0, End: all.length - 1 }[event.key];
-    if (event.key === "Escape" || event.key === "Tab") close();
+    if (event.key === "Tab") close();
     else if (to !== undefined) all[to % all.length].focus();
     else return;
     event.preventDefault();
@@ -49,6 +57,7 @@ export function menu({ x, y }, label, items, back = document.activeElement) {
   node.style.top = `${Math.max(6, Math.min(y, innerHeight - box.height - 6))}px`;
   open = { node, close };
   addEventListener("pointerdown", outside, true);
+  addEventListener("keydown", escape, true);
   addEventListener("blur", away);
   all[0]?.focus({ preventScroll: true });
 }

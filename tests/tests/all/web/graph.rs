@@ -1,5 +1,7 @@
 //! The graph in a real browser: connections by mouse and by keyboard.
 
+use std::time::Duration;
+
 use genom_tests::browser::Browser;
 use genom_tests::{Daemon, Home, component, path, until_answer};
 use serde_json::{Value, json};
@@ -128,7 +130,7 @@ fn the_menu_changes_the_policy_and_disconnects_by_mouse_and_by_keyboard() {
 }
 
 #[test]
-fn a_long_press_opens_the_menu_and_is_no_click() {
+fn a_long_touch_opens_the_menu_and_is_no_click() {
     let (_daemon, browser) = shown("read,wire");
     browser.hold("[data-port='mission/position']");
     browser.until_shown("Read an out port…");
@@ -241,6 +243,14 @@ fn arrow_keys_go_along_ports_and_connections() {
 }
 
 #[test]
+fn a_mouse_that_waits_before_it_moves_drags() {
+    let (_daemon, browser) = shown("read,wire");
+    let long = Duration::from_millis(600);
+    browser.drag_after(long, "[data-port='demo/position']", "[data-port='mission/position']");
+    browser.until_shown("demo/position → mission/position");
+}
+
+#[test]
 fn whoever_may_not_connect_is_not_offered_to() {
     let (daemon, browser) = shown("read");
     browser.until_shown("Your rights do not allow to connect.");
@@ -271,7 +281,10 @@ fn the_graph_comes_back_by_itself_when_the_daemon_does() {
         "document.getElementById('state').innerText === 'live' && !document.querySelector('.edge') \
          && document.querySelectorAll('.port').length === 5",
     );
-    daemon.ctl(&["connect", "mission/position", "demo/position"]).expect_code(0);
+    browser.drag("[data-port='demo/position']", "[data-port='mission/position']");
+    browser.until_shown("demo/position → mission/position");
+    browser.click("dialog button.main");
     browser.until("what the new daemon connects is drawn", "document.querySelector('.edge')");
+    assert_eq!(first_out(&daemon), "demo/position");
     assert_eq!(browser.ask("return window.sameDocument"), true);
 }
