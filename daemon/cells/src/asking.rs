@@ -1,8 +1,9 @@
 //! Requests to a cell.
 
+use genom_protocol::Replayed;
 use genom_protocol::routes::{self, Route};
 use http_body_util::BodyExt as _;
-use hyper::body::{Body, Incoming};
+use hyper::body::{Body, Bytes, Incoming};
 use hyper::{Request, Response};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -46,6 +47,14 @@ impl Cell {
         body: &B,
     ) -> Result<R, AskError> {
         self.client().tell(route, body).await
+    }
+
+    /// Publishes samples of a recording in the cell, as `POST /replay` takes them.
+    ///
+    /// # Errors
+    /// It does not answer, or refuses.
+    pub async fn publish(&self, samples: Bytes) -> Result<Replayed, AskError> {
+        self.client().send_bytes(&routes::replay(), samples).await
     }
 
     /// Asks a route that answers with a text.

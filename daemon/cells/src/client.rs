@@ -93,6 +93,15 @@ impl Client {
         self.send(request.map_err(|error| AskError::Misread(error.to_string()))?).await
     }
 
+    /// Asks a route with a body that is no JSON.
+    pub(crate) async fn send_bytes<R: DeserializeOwned, Q>(
+        &self,
+        route: &Route<R, Q, routes::Bytes>,
+        body: Bytes,
+    ) -> Result<R, AskError> {
+        self.read(route.method, &route.path, body).await
+    }
+
     /// Asks a route that answers with bytes. One that takes no body ignores what it gets.
     pub(crate) async fn stream<Q, B: Serialize>(
         &self,

@@ -22,6 +22,7 @@ use crate::levels;
 use crate::limits::CellLimits;
 use crate::offers::Offers;
 use crate::overrides;
+use crate::recordings::RecordingsSection;
 use crate::reload::ReloadSection;
 use crate::rpc::Rpc;
 use crate::spot;
@@ -73,6 +74,8 @@ pub struct Config {
     pub reload: ReloadSection,
     /// What is kept of the last seconds.
     pub blackbox: BlackBoxSection,
+    /// Recordings that the daemon makes itself.
+    pub recordings: RecordingsSection,
     /// What single cells may use, by their names.
     pub cell: BTreeMap<String, CellLimits>,
     /// Which services are offered on which middlewares.
@@ -137,6 +140,7 @@ impl Default for Config {
             crashes: CrashesSection::default(),
             reload: ReloadSection::default(),
             blackbox: BlackBoxSection::default(),
+            recordings: RecordingsSection::default(),
             cell: BTreeMap::new(),
             services: Offers::default(),
             telemetry: Telemetry::default(),
@@ -183,6 +187,7 @@ impl Config {
         let base = path.parent().unwrap_or(Path::new(""));
         self.path.iter_mut().chain(&mut self.include).for_each(|dir| anchor(base, dir));
         let states = self.crashes.directory.iter_mut().chain(&mut self.blackbox.directory);
+        let states = states.chain(&mut self.recordings.directory);
         states.for_each(|directory| anchor(base, directory));
         self.rpc.token_file.iter_mut().for_each(|file| anchor(base, file));
         if let Some(tls) = &mut self.rpc.tls {

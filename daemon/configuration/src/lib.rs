@@ -19,6 +19,7 @@ mod offers;
 mod overrides;
 mod pattern;
 pub mod place;
+mod recordings;
 mod reload;
 mod rpc;
 mod spot;
@@ -43,6 +44,7 @@ pub use genom_protocol::{
 pub use limits::CellLimits;
 pub use offers::Offers;
 pub use pattern::matches;
+pub use recordings::RecordingsSection;
 pub use reload::ReloadSection;
 pub use rpc::{Rpc, RpcSettings, Tls};
 pub use spot::Spot;

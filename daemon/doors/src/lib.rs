@@ -88,4 +88,4 @@ pub use slots::{Full, Share, Slot, Slots};
 pub use streams::{Events, Streams, Writer, last_heard};
 pub use tls::{Certificates, TlsError, acceptor};
 pub use tokens::{Mark, TokenError, Tokens};
-pub use within::{answers, ask_within};
+pub use within::{Own, answers, ask_within};

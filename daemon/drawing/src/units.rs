@@ -1,5 +1,7 @@
 //! Formats quantities with a few digits and a unit.
 
+pub use genom_protocol::units::bytes;
+
 /// A duration in nanoseconds.
 #[allow(clippy::cast_precision_loss, reason = "a few digits are shown")]
 #[must_use]
@@ -24,17 +26,6 @@ pub fn seconds(value: f64) -> String {
         format!("{:.3} ms", value * 1e3)
     } else {
         format!("{value:.3} s")
-    }
-}
-
-/// A size in bytes; append `/s` for a bandwidth.
-#[must_use]
-pub fn bytes(value: f64) -> String {
-    let units = [("GB", 1e9), ("MB", 1e6), ("kB", 1e3)];
-    match units.iter().find(|(_, scale)| value >= *scale) {
-        Some((unit, scale)) => format!("{:.2} {unit}", value / scale),
-        None if value.fract() == 0.0 => format!("{value} B"),
-        None => format!("{value:.1} B"),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
-use genom_cells::{BlackBoxes, Cells, Failure, Reports, Rules, Setup, Told, react};
+use genom_cells::{BlackBoxes, Cells, Failure, Kept, Reports, Rules, Setup, Told, react};
 use genom_configuration::RpcSettings;
 use genom_doors::{Slots, Streams};
 use genom_supervisor::Supervisor;
@@ -28,6 +28,8 @@ pub(crate) struct Daemon {
     pub(crate) supervisor: Arc<Supervisor>,
     /// What its processes did last.
     pub(crate) boxes: Arc<BlackBoxes>,
+    /// Recordings that it makes itself.
+    pub(crate) kept: Arc<Kept>,
     /// Processes of their own for components; none within a cell.
     pub(crate) cells: Arc<Cells>,
     /// What makes this a cell of another daemon, when it is one.
@@ -69,6 +71,7 @@ impl Daemon {
         supervisor.connections.look_elsewhere(move |name| known.of(name).is_some());
         Arc::new(Self {
             boxes,
+            kept: Arc::new(Kept::new(&settings.config.recordings)),
             cells,
             own_cell: settings.own_cell.clone(),
             supervisor,

@@ -199,6 +199,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     if let Err(error) = server.await {
         tracing::error!("the control plane ended badly: {error}");
     }
+    daemon.kept.all_over().await;
     if let Some(exporter) = exporter {
         // Waits a moment for the last spans to be sent.
         let _ = exporter.await;

@@ -104,6 +104,8 @@ pub enum Code {
     Replayed,
     /// The library of the component is just being exchanged.
     Reloading,
+    /// The directory of recordings is full.
+    RecordingsFull,
     /// The token lacks the required right.
     RightMissing,
     /// The session with the daemon has expired: start a new one.
@@ -118,6 +120,8 @@ pub enum Code {
     TokenFile,
     /// The task already runs as many activities as it may.
     TooManyActivities,
+    /// Too many recordings or replays are under way.
+    TooManyRecordings,
     /// Too many requests to other daemons are under way.
     TooManyQuestions,
     /// Too many requests are under way.
@@ -132,6 +136,8 @@ pub enum Code {
     TypeMismatch,
     /// No token was given, or an unknown one.
     Unauthorized,
+    /// The recording is just being made or replayed, or is not.
+    UnderWay,
     /// The component is being unloaded.
     Unloading,
     /// The body could not be read.

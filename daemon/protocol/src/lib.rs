@@ -39,11 +39,13 @@ mod crashes;
 mod daemons;
 mod deployment;
 mod description;
+mod doctor;
 mod events;
 mod execution;
 mod findings;
 pub mod frames;
 pub mod freeze;
+mod kept;
 mod load;
 mod logs;
 mod middlewares;
@@ -59,7 +61,9 @@ mod ports;
 mod quality;
 mod refusal;
 mod reload;
+mod remedies;
 pub mod replay;
+mod requests;
 mod right;
 pub mod routes;
 mod services;
@@ -73,6 +77,7 @@ pub mod supervision;
 mod timeline;
 mod tokens;
 mod type_kind;
+pub mod units;
 mod values;
 mod web;
 mod withheld;
@@ -100,11 +105,16 @@ pub use description::{
     Codel, CodelParameter, Description, Direction, Member, Parameter, PortDescription,
     RemoteDescription, Service, ServiceKind, TaskDescription,
 };
+pub use doctor::{Diagnosis, DoctorParameters, Examined, Severity};
 pub use events::{AnyChange, Change, ChangeParameters, Fired, StepStatus};
 pub use execution::ExecutionKind;
 pub use findings::{Finding, Findings};
 pub use frames::{RecordingEnds, RecordingRequest};
 pub use freeze::{Frozen, GoesOn, ThawRequest, Thawed, ThawedComponent};
+pub use kept::{
+    KeepRequest, KeptRecording, KeptRecordings, KeptReplay, KeptState, RecordingRemoved,
+    ReplayRequest,
+};
 pub use load::{LoadRequest, TaskEntry};
 pub use logs::{Level, LogEntry, LogParameters, Logs};
 pub use middlewares::{
@@ -124,6 +134,7 @@ pub use ports::{
 pub use quality::{PortQos, QosEntry};
 pub use refusal::{Reason, Refusal};
 pub use reload::{ComponentReload, ReloadRequest};
+pub use remedies::{Choice, Remedy};
 pub use replay::Replayed;
 pub use right::Right;
 pub use routes::STANDARD_SERVICES;

@@ -20,13 +20,14 @@ use crate::{
     BlackBoxLeft, CallParameters, CallReply, Cell, CellEnds, Cells, Change, ChangeParameters,
     Cleared, Clock, Component, ComponentReload, Components, Connection, ConnectionRequest,
     Connections, CrashReport, Crashes, Daemons, DeploymentRequest, Description, Disconnected,
-    Dumped, Findings, Fired, Frozen, GoesOn, Histograms, ImageParameters, Inputs, Link,
+    DoctorParameters, Dumped, Examined, Findings, Fired, Frozen, GoesOn, Histograms,
+    ImageParameters, Inputs, KeepRequest, KeptRecording, KeptRecordings, KeptReplay, Link,
     LinkRequest, LoadRequest, LogEntry, LogParameters, Logs, LookParameters, MiddlewareParameters,
     Middlewares, MoveRequest, Moved, PlotColumns, PlotParameters, Port, PortParameters,
     PortTraffic, PortType, Ports, Published, Ready, ReadyParameters, RecordingEnds,
-    RecordingRequest, ReloadRequest, Reloaded, Replayed, Right, Service, Sources, Statistics,
-    StepRequest, Stopping, StreamParameters, TakenBack, ThawRequest, Thawed, Timeline,
-    TimelineParameters, Unloaded, ValueParameters, Withheld,
+    RecordingRemoved, RecordingRequest, ReloadRequest, Reloaded, ReplayRequest, Replayed, Right,
+    Service, Sources, Statistics, StepRequest, Stopping, StreamParameters, TakenBack, ThawRequest,
+    Thawed, Timeline, TimelineParameters, Unloaded, ValueParameters, Withheld,
 };
 
 /// HTTP method.
@@ -62,12 +63,15 @@ pub struct Route<R, Q = (), B = ()> {
     pub method: Method,
     /// Path and query, percent-encoded.
     pub path: String,
+    /// The right that it takes; `None` if the reply is public.
+    pub right: Option<Right>,
     types: PhantomData<fn(Q, B) -> R>,
 }
 
 impl<R, Q, B> Clone for Route<R, Q, B> {
     fn clone(&self) -> Self {
-        Self { method: self.method, path: self.path.clone(), types: PhantomData }
+        let (method, path, right) = (self.method, self.path.clone(), self.right);
+        Self { method, path, right, types: PhantomData }
     }
 }
 
@@ -130,7 +134,8 @@ macro_rules! routes {
             #[must_use]
             pub fn $name($($part: &str),*) -> Route<$reply, routes!(@or $($query)?), routes!(@or $($body)?)> {
                 let parts: &[(&str, &str)] = &[$((stringify!($part), $part)),*];
-                Route { method: Method::$method, path: filled($template, parts), types: PhantomData }
+                let (method, right) = (Method::$method, routes!(@right $($right)?));
+                Route { method, path: filled($template, parts), right, types: PhantomData }
             }
         )*
 
@@ -248,6 +253,8 @@ routes! {
         ?ValueParameters, PortTraffic;
     /// Why no data flows through a port.
     Get why(component, port) [Read] "/components/{component}/ports/{port}/why", Findings;
+    /// What keeps components from running well.
+    Get doctor() [Read] "/doctor" ?DoctorParameters, Examined;
     /// Lists the connections.
     Get connections() [Read] "/connections", Connections;
     /// Makes a connection.
@@ -276,6 +283,20 @@ routes! {
     Post record() [Read] "/recordings" => RecordingRequest, Bytes;
     /// Ends a recording.
     Delete end_recording(number) [Read] "/recordings/{number}", RecordingEnds;
+    /// Lists the recordings that the daemon keeps.
+    Get kept() [Read] "/recordings/kept", KeptRecordings;
+    /// Has the daemon record into a file that it keeps.
+    Post keep() [Call] "/recordings/kept" => KeepRequest, KeptRecording;
+    /// The file of one of them.
+    Get kept_file(file) [Read] "/recordings/kept/{file}", Bytes;
+    /// Removes one.
+    Delete remove_kept(file) [Admin] "/recordings/kept/{file}", RecordingRemoved;
+    /// Ends one that is under way.
+    Post end_kept(file) [Call] "/recordings/kept/{file}/end", KeptRecording;
+    /// Publishes its samples to in ports, with their timing.
+    Post play_kept(file) [Call] "/recordings/kept/{file}/replay" => ReplayRequest, KeptReplay;
+    /// Ends that.
+    Delete stop_kept(file) [Call] "/recordings/kept/{file}/replay", KeptReplay;
     /// Publishes samples of a recording.
     Post replay() [Call] "/replay" => Bytes, Replayed;
     /// Streams changes in the daemon.

@@ -111,6 +111,17 @@ impl Recorder {
         Ok(Self { path, writer, channels, room, written, repeated: 0, saved: 0, unsaved: 0 })
     }
 
+    /// Sets how many bytes the file may have, its end included.
+    pub fn limit(&mut self, most: u64) {
+        self.room.limit(most);
+    }
+
+    /// Bytes written so far, without what is kept in memory until the next [`save`](Self::save).
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.written.load(Ordering::Relaxed)
+    }
+
     /// Adds a channel.
     ///
     /// # Errors

@@ -5,9 +5,11 @@
 
 mod file;
 mod read;
+mod replay;
 mod room;
 
 pub use file::{ChannelSummary, Recorder, WriteError};
 pub use read::error::ReadError;
 pub use read::walk::{Extent, Part, records, walk};
-pub use read::{Recorded, Recording};
+pub use read::{Glance, Recorded, Recording, glance};
+pub use replay::{MOST_APART, inport, same_type};

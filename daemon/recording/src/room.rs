@@ -21,12 +21,19 @@ pub(crate) struct Room {
     ours: u64,
     /// Whether the file system can reserve space. If not, writing fails when the disk is full.
     promised: bool,
+    /// Bytes that the file may have.
+    most: u64,
 }
 
 impl Room {
     /// For this file.
     pub(crate) fn of(file: &File) -> io::Result<Self> {
-        Ok(Self { file: file.try_clone()?, ours: 0, promised: true })
+        Ok(Self { file: file.try_clone()?, ours: 0, promised: true, most: u64::MAX })
+    }
+
+    /// Sets how many bytes the file may have.
+    pub(crate) fn limit(&mut self, most: u64) {
+        self.most = most;
     }
 
     /// Reserves space up to `end` bytes.
@@ -34,6 +41,9 @@ impl Room {
     /// # Errors
     /// There is not enough space; the same error as writing would give.
     pub(crate) fn reach(&mut self, end: u64) -> io::Result<()> {
+        if end > self.most {
+            return Err(io::Error::other("the limit of bytes is reached"));
+        }
         if getrlimit(Resource::Fsize).current.is_some_and(|most| end > most) {
             return Err(Errno::FBIG.into());
         }

@@ -1,5 +1,6 @@
 //! What clients see of running components: their values as streams, every sample of ports in the
-//! columns of a plot, images, histograms of durations, and the changes of the last minutes.
+//! columns of a plot, images, histograms of durations, the changes of the last minutes, and what is
+//! wrong: why a port is silent, and what the doctor finds.
 //!
 //! Each handler takes what it shows from the supervisor, in threads of the control plane. Nothing is
 //! taken of a port that nobody asks for; of one that is plotted, codels put samples on a tape, as
@@ -8,6 +9,7 @@
 #![forbid(unsafe_code)]
 
 mod columns;
+mod doctor;
 mod histograms;
 mod images;
 pub mod layout;
@@ -16,7 +18,11 @@ mod picture;
 mod plots;
 mod timeline;
 mod values;
+mod why;
 
+#[doc(hidden)]
+pub use doctor::__path_doctor;
+pub use doctor::doctor;
 #[doc(hidden)]
 pub use histograms::__path_histograms;
 pub use histograms::histograms;
@@ -33,3 +39,6 @@ pub use timeline::timeline;
 #[doc(hidden)]
 pub use values::__path_stream;
 pub use values::stream;
+#[doc(hidden)]
+pub use why::__path_why;
+pub use why::why;

@@ -58,6 +58,8 @@ export function path(...names) {
 
 export const get = (path) => ask("GET", `/api${path}`);
 export const remove = (path) => ask("DELETE", `/api${path}`, "");
+/** A request as the daemon itself proposes it. */
+export const request = (method, path, json) => ask(method, `/api${path}`, json);
 /** Sends JSON that is written already, so that 64-bit numbers keep their digits. */
 export const post = (path, json = "") => ask("POST", `/api${path}`, json);
 export const replace = (path, json) => ask("PUT", `/api${path}`, json);

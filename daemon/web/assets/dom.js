@@ -77,6 +77,11 @@ export function pageOf(component) {
   return `/component/${encodeURIComponent(component)}`;
 }
 
+/** Address of the page that says why a port is silent. */
+export function whyOf(port) {
+  return `/doctor?${new URLSearchParams({ port })}`;
+}
+
 /** Replaces the children of a node. */
 export function put(into, ...children) {
   into.replaceChildren();

@@ -12,16 +12,19 @@ const page = document.getElementById("page");
 const bar = document.getElementById("bar");
 
 /** A page whose script is loaded when it is first shown. */
-const timeline = async (page, context) => {
-  const loaded = await import("./timeline.js").catch(() => { throw new Away(); });
-  return context.stillShown() ? loaded.timeline(page, context) : null;
+const later = (load, name) => async (page, context) => {
+  const loaded = await load().catch(() => { throw new Away(); });
+  return context.stillShown() ? loaded[name](page, context) : null;
 };
 
 const PAGES = [
   [/^\/$/, "Overview", overview],
   [/^\/graph$/, "Graph", graph],
   [/^\/logs$/, "Logs and events", logs],
-  [/^\/timeline$/, "Timeline", timeline],
+  [/^\/timeline$/, "Timeline", later(() => import("./timeline.js"), "timeline")],
+  [/^\/doctor$/, "Doctor", later(() => import("./doctor.js"), "doctor")],
+  [/^\/deployment$/, "Deployment", later(() => import("./deployment.js"), "deployment")],
+  [/^\/recordings$/, "Recordings", later(() => import("./recordings.js"), "recordings")],
   [/^\/component\/([^/]+)$/, "Component", component],
 ];
 
@@ -52,7 +55,8 @@ function drawBar() {
     el("div", { class: "brand" }, el("img", { src: "/assets/icon.svg", alt: "", width: 24, height: 24 }),
       link("/", "genomd")),
     signed && el("nav", { "aria-label": "Pages" },
-      entry("/", "Overview"), entry("/graph", "Graph"), entry("/timeline", "Timeline"), entry("/logs", "Logs")),
+      entry("/", "Overview"), entry("/graph", "Graph"), entry("/timeline", "Timeline"), entry("/logs", "Logs"),
+      entry("/doctor", "Doctor"), entry("/deployment", "Deployment"), entry("/recordings", "Recordings")),
     el("span", { class: "gap" }),
     signed && el("span", { id: "state", class: "pill", role: "status" }, "…"),
     signed && may("call") && stop,

@@ -2,6 +2,7 @@
 
 import { get, path } from "./api.js";
 import { el, heads, link, name, pageOf, put } from "./dom.js";
+import { fleet } from "./fleet.js";
 import { count, exception, middlewares } from "./units.js";
 
 const CHANGES = "overrun,activity_ended,component_loaded,component_unloaded,component_failed";
@@ -18,11 +19,12 @@ export async function overview(page, context) {
   const summary = el("p", { class: "soft", id: "summary" });
   const loading = el("div");
   const cells = el("div");
+  const others = fleet();
   const empty = el("p", { class: "empty" }, "No component runs. Load one: ",
     el("code", {}, "genomctl load demo"), ".");
   const table = el("table", { class: "cards", id: "components" },
     heads(["Component", "State", "#Activities", "#Missed periods", "Last exception", "Middleware", "Cell"]), body);
-  put(page, el("h1", {}, "Overview"), summary, loading, el("div", { class: "wide" }, table), empty, cells);
+  put(page, el("h1", {}, "Overview"), summary, loading, el("div", { class: "wide" }, table), empty, cells, others.node);
 
   function row(component) {
     const cell = (label, extra) => el("td", { "data-label": label, ...extra });
@@ -119,6 +121,7 @@ export async function overview(page, context) {
   context.watch([
     { path: "/components", take: (body, status) => status === 200 && take(body) },
     { path: "/cells", take: (body, status) => status === 200 && drawCells(body) },
+    { path: "/daemons", take: (body, status) => status === 200 && others.take(body) },
     { path: `/events?only=${CHANGES}`, hear },
   ], 4);
 }

@@ -1,7 +1,7 @@
 // The ports of a component: counters of all, and the value and a plot of those that are opened.
 
 import { get, path, post, told } from "./api.js";
-import { el, heads, link, name, pageOf, put, text } from "./dom.js";
+import { el, heads, link, name, pageOf, put, text, whyOf } from "./dom.js";
 import { Picture, isImage } from "./image.js";
 import { Plot } from "./plot.js";
 import { tables } from "./table.js";
@@ -48,7 +48,8 @@ export function ports(component, context, changed) {
     }
     row.watch = el("div", { class: "watch" });
     row.detail = el("tr", { class: "detail", "data-detail": port.address }, el("td", { colspan: 6 },
-      port.doc && el("p", { class: "doc" }, port.doc), row.watch,
+      port.doc && el("p", { class: "doc" }, port.doc),
+      el("p", {}, link(whyOf(port.address.split("/").slice(0, 2).join("/")), "Why is it silent?")), row.watch,
       port.direction === "in" && context.may("call") && publisher(port)));
     row.node.after(row.detail);
     fill(port, row, row.detail);

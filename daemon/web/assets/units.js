@@ -27,6 +27,20 @@ export function glance(number) {
 
 export const frequency = (hertz) => `${hertz >= 100 || hertz === 0 ? hertz.toFixed(0) : hertz.toPrecision(3)} Hz`;
 
+/** A time in seconds, as 1.5 s or 2 min 3 s. */
+export function seconds(time) {
+  if (time < 60) return `${time.toFixed(1)} s`;
+  const whole = Math.round(time);
+  const [hours, minutes] = [Math.floor(whole / 3600), Math.floor(whole / 60) % 60];
+  return hours > 0 ? `${hours} h ${minutes} min` : `${minutes} min ${whole % 60} s`;
+}
+
+/** A size in bytes, as 4.2 MB. */
+export function bytes(size) {
+  const [unit, text] = [[1e9, "GB"], [1e6, "MB"], [1e3, "kB"]].find(([unit]) => size >= unit) ?? [1, "B"];
+  return `${unit === 1 ? size : (size / unit).toFixed(1)} ${text}`;
+}
+
 export const count = (number) => number.toLocaleString("en");
 
 /** `::demo::OUT_OF_RANGE` as `OUT_OF_RANGE` of demo; others whole. */

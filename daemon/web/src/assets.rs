@@ -67,10 +67,15 @@ const ALL: &[Asset] = assets! {
     "dialog.js" SCRIPT;
     "menu.js" SCRIPT;
     "logs.js" SCRIPT;
+    "doctor.js" SCRIPT;
+    "fleet.js" SCRIPT;
+    "deployment.js" SCRIPT;
+    "recordings.js" SCRIPT;
 };
 
 /// Modules of pages that are loaded when they are first shown.
-const LATER: [&str; 3] = ["timeline.js", "lanes.js", "mcap.js"];
+const LATER: [&str; 6] =
+    ["timeline.js", "lanes.js", "mcap.js", "doctor.js", "deployment.js", "recordings.js"];
 
 /// The modules that are loaded with the page, whichever it is.
 fn modules() -> impl Iterator<Item = &'static Asset> {

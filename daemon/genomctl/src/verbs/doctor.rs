@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use genom_doctor::{Machine, of_files};
+use genom_protocol::{Diagnosis, Severity};
 use serde_json::json;
 
-use crate::doctor::{Finding, Level, Machine, findings, live};
+use crate::doctor::live;
 use crate::escape;
 use crate::failure::Failure;
 use crate::session::Session;
@@ -28,7 +30,7 @@ pub(crate) struct Args {
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let machine = Machine::at(args.root.as_deref().unwrap_or(Path::new("/")));
-    let mut findings = findings(&machine);
+    let mut findings = of_files(&machine);
     if args.root.is_none() {
         findings.extend(live(session, args.config.as_deref()).await);
     }
@@ -38,18 +40,18 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
         findings.iter().map(|finding| render(finding, session.terminal)).collect()
     };
     session.print(&text)?;
-    match findings.iter().filter(|finding| finding.level == Level::Problem).count() {
+    match findings.iter().filter(|finding| finding.level == Severity::Problem).count() {
         0 => Ok(()),
         1 => Err(Failure::refused("problems", "1 problem".to_owned())),
         count => Err(Failure::refused("problems", format!("{count} problems"))),
     }
 }
 
-fn render(finding: &Finding, terminal: Terminal) -> String {
+fn render(finding: &Diagnosis, terminal: Terminal) -> String {
     let level = match finding.level {
-        Level::Ok => "ok",
-        Level::Note => "note",
-        Level::Problem => "problem",
+        Severity::Ok => "ok",
+        Severity::Note => "note",
+        Severity::Problem => "problem",
     };
     let padded = format!("{level:<8}");
     let tone = Tone::of(level).filter(|_| terminal.colour);

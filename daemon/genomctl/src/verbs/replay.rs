@@ -5,10 +5,8 @@ use std::io::Write as _;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use genom_protocol::{
-    Address, Code, PortDirection, PortParameters, Ports, StepRequest, replay, routes,
-};
-use genom_recording::{ReadError, Recorded, Recording};
+use genom_protocol::{Address, Code, PortParameters, StepRequest, replay, routes};
+use genom_recording::{MOST_APART, ReadError, Recorded, Recording, inport, same_type};
 use serde_json::json;
 use tokio::time::Instant;
 
@@ -73,7 +71,10 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let mut counts: BTreeMap<u16, u64> = BTreeMap::new();
     let mut last = None;
     while let Some(sample) = recording.next_sample().map_err(failed)? {
-        if last.replace(sample.date).is_some_and(|last| sample.date.saturating_sub(last) > YEAR) {
+        if last
+            .replace(sample.date)
+            .is_some_and(|last| sample.date.saturating_sub(last) > MOST_APART)
+        {
             return Err(failed(ReadError::Dates));
         }
         let due = pace.is_due(&sample);
@@ -157,7 +158,7 @@ async fn choose(
             Some(port) => port,
             None if !args.to.is_empty() => continue,
             None => match topic.parse::<Address>() {
-                Ok(port) if is_inport(&known, &port) => port,
+                Ok(port) if inport(&known, &port).is_some() => port,
                 _ => {
                     tell(&format!("left out: {topic}, which is no in port of this daemon\n"));
                     continue;
@@ -179,14 +180,6 @@ async fn choose(
     Ok(targets)
 }
 
-fn is_inport(known: &Ports, port: &Address) -> bool {
-    let wanted = port.to_string();
-    known.ports.iter().any(|one| {
-        let element = one.multiple && wanted.starts_with(&format!("{}/", one.address));
-        one.direction == PortDirection::In && (wanted == one.address || element)
-    })
-}
-
 /// Fails if the types differ: samples of another type would be misinterpreted.
 async fn check_type(
     session: &Session,
@@ -197,7 +190,7 @@ async fn check_type(
     let message =
         session.ask(routes::port_type(&port.component, &port.port)).await?.content.message;
     let definition = message.definition.unwrap_or_default();
-    if lines(definition.as_bytes()) == lines(schema) {
+    if same_type(definition.as_bytes(), schema) {
         return Ok(());
     }
     let name = message.name;
@@ -205,20 +198,9 @@ async fn check_type(
     Err(Failure::refused(Code::TypeMismatch.name(), message))
 }
 
-/// The lines of a definition without comments and blanks.
-fn lines(definition: &[u8]) -> Vec<String> {
-    let text = String::from_utf8_lossy(definition);
-    let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default());
-    let words = lines.map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "));
-    words.filter(|line| !line.is_empty()).collect()
-}
-
 fn tell(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
 }
-
-/// In nanoseconds: samples further apart cannot be of one recording.
-const YEAR: u64 = 366 * 24 * 3600 * 1_000_000_000;
 
 /// Decides when samples are due.
 enum Pace {
@@ -251,7 +233,7 @@ impl Pace {
         let shift = *shift.get_or_insert_with(|| {
             // Dates that the virtual clock has not reached yet are used as they are; those of a
             // wall clock, which count from 1970, are shifted to begin now.
-            let kept = sample.date > *now && sample.date - *now < YEAR;
+            let kept = sample.date > *now && sample.date - *now < MOST_APART;
             if kept { 0 } else { i128::from(*now) + 1 - i128::from(sample.date) }
         });
         let date = i128::from(sample.date) + shift - 1;
@@ -297,7 +279,7 @@ impl Pace {
 
 fn after(date: u64, begin: u64, rate: f64) -> Duration {
     let seconds = Duration::from_nanos(date.saturating_sub(begin)).as_secs_f64() / rate;
-    let longest = Duration::from_nanos(YEAR);
+    let longest = Duration::from_nanos(MOST_APART);
     Duration::try_from_secs_f64(seconds).map_or(longest, |after| after.min(longest))
 }
 
@@ -324,7 +306,7 @@ mod tests {
     #[test]
     fn the_slowest_rate_waits_long_and_the_fastest_not_at_all() {
         assert_eq!(after(3_000_000_000, 1_000_000_000, 2.0), Duration::from_secs(1));
-        assert_eq!(after(2, 1, f64::MIN_POSITIVE), Duration::from_nanos(YEAR));
+        assert_eq!(after(2, 1, f64::MIN_POSITIVE), Duration::from_nanos(MOST_APART));
         assert_eq!(after(2, 1, f64::MAX), Duration::ZERO);
     }
 }

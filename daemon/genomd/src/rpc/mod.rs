@@ -23,6 +23,7 @@ mod document;
 mod events;
 mod freeze;
 mod held_up;
+mod kept;
 mod logs;
 mod metrics;
 mod middlewares;
@@ -35,7 +36,6 @@ mod services;
 mod sources;
 mod tasks;
 mod tokens;
-mod why;
 mod withheld;
 
 use std::sync::Arc;
@@ -45,7 +45,7 @@ use axum::http::{StatusCode, Uri};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::Response;
 use axum::{Extension, Router};
-use genom_doors::{Bodies, Door, Rights, RpcError, Tokens, guard};
+use genom_doors::{Bodies, Door, Own, Rights, RpcError, Tokens, guard};
 use genom_protocol::Code;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -83,7 +83,8 @@ fn routes() -> OpenApiRouter<Parts> {
         .routes(routes!(genom_views::plots))
         .routes(routes!(genom_views::image))
         .routes(routes!(ports::traffic))
-        .routes(routes!(why::explain))
+        .routes(routes!(genom_views::why))
+        .routes(routes!(genom_views::doctor))
         .routes(routes!(events::fire))
         .routes(routes!(events::stream))
         .routes(routes!(connections::list, connections::connect))
@@ -100,6 +101,10 @@ fn routes() -> OpenApiRouter<Parts> {
         .routes(routes!(genom_views::timeline))
         .routes(routes!(recordings::start))
         .routes(routes!(recordings::end))
+        .routes(routes!(genom_archive::list, kept::begin))
+        .routes(routes!(genom_archive::file, genom_archive::remove))
+        .routes(routes!(genom_archive::end))
+        .routes(routes!(kept::play, genom_archive::stop_play))
         .routes(routes!(replay::publish))
         .routes(routes!(metrics::text))
         .routes(routes!(logs::list))
@@ -126,7 +131,10 @@ pub(crate) fn router(daemon: &Arc<Daemon>, tokens: &Arc<Tokens>, door: Door) -> 
     let router = router
         .fallback(no_such_path)
         .layer(from_fn_with_state(Arc::clone(daemon), note))
-        .layer(from_fn_with_state(Arc::clone(&daemon.cells), cells::pass_on))
+        .layer(from_fn_with_state(Arc::clone(&daemon.cells), cells::pass_on));
+    let own = Own::new(router.clone().with_state(Parts(Arc::clone(daemon))));
+    let router = router
+        .layer(Extension(own))
         .layer(Extension(Document::new(&document)))
         .layer(Extension(daemon.console.get().cloned()))
         .layer(Extension(Arc::clone(tokens)))

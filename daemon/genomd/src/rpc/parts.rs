@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use axum::extract::FromRef;
-use genom_cells::{BlackBoxes, Cells};
+use genom_cells::{BlackBoxes, Cells, Kept};
 use genom_doors::Streams;
 use genom_supervisor::Supervisor;
 
@@ -41,6 +41,12 @@ impl FromRef<Parts> for Arc<Cells> {
 impl FromRef<Parts> for Arc<BlackBoxes> {
     fn from_ref(parts: &Parts) -> Self {
         Self::clone(&parts.0.boxes)
+    }
+}
+
+impl FromRef<Parts> for Arc<Kept> {
+    fn from_ref(parts: &Parts) -> Self {
+        Self::clone(&parts.0.kept)
     }
 }
 

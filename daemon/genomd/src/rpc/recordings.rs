@@ -18,6 +18,7 @@ use tokio::sync::mpsc;
 use tokio_stream::StreamExt as _;
 use tokio_stream::wrappers::ReceiverStream;
 
+use crate::daemon::Daemon;
 use crate::rpc::{self, clock, components, ports};
 
 /// Maximum number of batches that wait to be sent.
@@ -60,6 +61,21 @@ pub(crate) async fn start(
     Extension(holder): Extension<Holder>,
     Body(wanted): Body<RecordingRequest>,
 ) -> Result<Response, RpcError> {
+    check(&supervisor, &cells, &wanted)?;
+    let slot = streams.slot(&holder)?;
+    let receiver = begin(supervisor, &cells, wanted, slot).await?;
+    let batches =
+        ReceiverStream::new(receiver).map(|batch| Ok::<_, Infallible>(Bytes::from(batch)));
+    let kind = [(header::CONTENT_TYPE, "application/octet-stream")];
+    Ok((kind, Stream::from_stream(batches)).into_response())
+}
+
+/// Refuses what is not there.
+pub(super) fn check(
+    supervisor: &Supervisor,
+    cells: &Cells,
+    wanted: &RecordingRequest,
+) -> Result<(), RpcError> {
     for name in &wanted.ports {
         let subject = name
             .parse()
@@ -78,7 +94,17 @@ pub(crate) async fn start(
             }
         }
     }
-    let slot = streams.slot(&holder)?;
+    Ok(())
+}
+
+/// Begins a recording of all processes; it ends when nobody takes its frames any more, and `held` is
+/// dropped then.
+pub(super) async fn begin(
+    supervisor: Arc<Supervisor>,
+    cells: &Cells,
+    wanted: RecordingRequest,
+    held: impl Send + 'static,
+) -> Result<mpsc::Receiver<Vec<u8>>, RpcError> {
     let in_cells = cells.record(&wanted).await.map_err(rpc::cells::refused)?;
     let (sender, mut receiver) = mpsc::channel(WAITING);
     if !in_cells.is_empty() {
@@ -96,12 +122,9 @@ pub(crate) async fn start(
         };
         recording::run(&supervisor.closed, &session, changes, sender, start);
         supervisor.recording_ended(&session);
-        drop(slot);
+        drop(held);
     });
-    let batches =
-        ReceiverStream::new(receiver).map(|batch| Ok::<_, Infallible>(Bytes::from(batch)));
-    let kind = [(header::CONTENT_TYPE, "application/octet-stream")];
-    Ok((kind, Stream::from_stream(batches)).into_response())
+    Ok(receiver)
 }
 
 /// End a recording, after all samples taken until now are sent.
@@ -112,10 +135,13 @@ pub(crate) async fn start(
     responses((status = 200, body = RecordingEnds), (status = 404))
 )]
 pub(crate) async fn end(
-    State(supervisor): State<Arc<Supervisor>>,
+    State(daemon): State<Arc<Daemon>>,
     Path(number): Path<String>,
 ) -> Result<Json<RecordingEnds>, RpcError> {
-    let ended = number.parse().is_ok_and(|number| supervisor.recordings.end(number));
+    // Those that the daemon keeps end by their names, which takes another right.
+    let streamed = |number: &u64| !daemon.kept.has(*number);
+    let number_of = number.parse().ok().filter(streamed);
+    let ended = number_of.is_some_and(|number| daemon.supervisor.recordings.end(number));
     if ended {
         return Ok(Json(RecordingEnds { ends: true }));
     }

@@ -33,6 +33,34 @@ pub struct Recording {
     pub cut: Option<(Extent, u64)>,
 }
 
+/// What the end of a file tells.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Glance {
+    /// Samples and notes in it.
+    pub messages: u64,
+    /// Seconds from the first to the last.
+    pub seconds: f64,
+}
+
+/// Looks at the end of a file alone; `None` if it has none, since whoever wrote it was killed.
+///
+/// # Errors
+/// It cannot be read, or is no recording.
+pub fn glance(file: &File) -> Result<Option<Glance>, ReadError> {
+    let mut file = file.try_clone()?;
+    file.seek(SeekFrom::Start(0))?;
+    begins_well(&mut file)?;
+    let size = file.metadata()?.len();
+    match summary(&mut BufReader::new(file), size) {
+        Ok(summary) => Ok(Some(summary.stats.map_or_else(Glance::default, |told| Glance {
+            messages: told.message_count,
+            seconds: told.message_end_time.saturating_sub(told.message_start_time) as f64 * 1e-9,
+        }))),
+        Err(Some(error)) => Err(error),
+        Err(None) => Ok(None),
+    }
+}
+
 /// A sample of the file.
 #[derive(Debug)]
 pub struct Recorded {

@@ -54,6 +54,12 @@ const SECTIONS: &[Section] = &[
     section("[crashes]", "daemon/configuration/src/crashes.rs", "CrashesSection", &["crashes"]),
     section("[reload]", "daemon/configuration/src/reload.rs", "ReloadSection", &["reload"]),
     section("[blackbox]", "daemon/configuration/src/blackbox.rs", "BlackBoxSection", &["blackbox"]),
+    section(
+        "[recordings]",
+        "daemon/configuration/src/recordings.rs",
+        "RecordingsSection",
+        &["recordings"],
+    ),
     section("[rpc]", "daemon/configuration/src/rpc.rs", "Rpc", &["rpc"]),
     section("[rpc.tls]", "daemon/configuration/src/rpc.rs", "Tls", &["none"]),
     section("[services]", "daemon/configuration/src/offers.rs", "Offers", &["services"]),

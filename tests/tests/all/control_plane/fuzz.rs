@@ -35,8 +35,8 @@ fn the_control_plane_does_what_its_document_says() {
     let mut command = Command::new(python.with_file_name("schemathesis"));
     command.current_dir(daemon.home().path()).env_clear().env("PATH", "/usr/bin:/bin");
     command.args(["--config-file", path(&config), "run", &url, "--header", &header]);
-    // What ends the daemon or the demo is tested elsewhere, and so are endless streams and binary
-    // samples, which a schema does not describe.
+    // What ends the daemon or the demo is tested elsewhere, and so are endless streams and
+    // recordings, and binary samples, which a schema does not describe.
     for operation in [
         "post_shutdown",
         "delete_components_component",
@@ -46,6 +46,7 @@ fn the_control_plane_does_what_its_document_says() {
         "get_components_component_plots",
         "get_components_component_ports_port_image",
         "post_recordings",
+        "post_recordings_kept",
         "post_replay",
         "get_components_component_ports_port_stream",
     ] {

@@ -11,4 +11,5 @@ mod reference;
 mod replies;
 mod stops;
 mod tidy;
+mod unsafe_code;
 mod uses;

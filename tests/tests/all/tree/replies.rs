@@ -69,7 +69,6 @@ const READ: &[(&str, &str)] = &[("lsp/mod.rs", "options that an editor sends")];
 /// Files of genomctl that access members of something other than replies, and of what.
 const LOOKED_UP: &[(&str, &str)] = &[
     ("agreement.rs", "lines of a manifest"),
-    ("doctor/live.rs", "options of a middleware, which are a map in the protocol, too"),
     ("verbs/fmt.rs", "what it prints itself"),
     ("verbs/verify/mod.rs", "what it prints itself"),
     ("verbs/schedule/mod.rs", "what it prints itself"),

@@ -7,13 +7,17 @@ use genom_tests::{Daemon, Home};
 use super::visitor::{Visitor, demo, link};
 
 /// One path of each kind: pages, files, sessions, the live stream, the control plane.
-const PATHS: [&str; 7] = [
+const PATHS: [&str; 11] = [
     "/",
     "/component/demo",
     "/assets/main.js",
     "/session",
     "/live?watch=/components",
     "/api/components",
+    "/doctor",
+    "/api/doctor",
+    "/api/recordings/kept",
+    "/api/recordings/kept/own.mcap",
     "/nothing",
 ];
 
@@ -74,6 +78,18 @@ fn nothing_is_changed_by_a_request_that_does_not_say_whose_page_it_is_of() {
         assert_eq!((reply.status, reply.code().as_str()), (403, "origin"), "{origin}");
         assert_eq!(owner.on_page(origin).sends("DELETE", "/api/activities", "").status, 403);
         assert_eq!(owner.on_page(origin).sends("DELETE", "/session", "").status, 403);
+        let kept = "/api/recordings/kept";
+        for (method, path) in [
+            ("POST", kept.to_owned()),
+            ("POST", format!("{kept}/own.mcap/end")),
+            ("POST", format!("{kept}/own.mcap/replay")),
+            ("DELETE", format!("{kept}/own.mcap/replay")),
+            ("DELETE", format!("{kept}/own.mcap")),
+        ] {
+            let reply = owner.on_page(origin).sends(method, &path, "{}");
+            assert_eq!((reply.status, reply.code().as_str()), (403, "origin"), "{method} {path}");
+        }
+        assert_eq!(owner.gets(kept).json()["recordings"], serde_json::json!([]));
     }
     // What a browser says itself about a page counts as well.
     for site in ["cross-site", "same-site"] {
@@ -98,9 +114,17 @@ fn whoever_is_not_signed_in_learns_nothing() {
         // Tokens are for signing in, and not for requests.
         stranger.with("Authorization: Bearer 0123456789abcdef0123456789abcdef"),
     ] {
-        for path in
-            ["/api/", "/api/components", "/api/nothing", "/api/openapi.json", "/live", "/session"]
-        {
+        for path in [
+            "/api/",
+            "/api/components",
+            "/api/doctor",
+            "/api/recordings/kept",
+            "/api/recordings/kept/own.mcap",
+            "/api/nothing",
+            "/api/openapi.json",
+            "/live",
+            "/session",
+        ] {
             let reply = of.gets(path);
             assert_eq!((reply.status, reply.code().as_str()), (401, "unauthorized"), "{path}");
             assert!(!reply.body.contains("demo"), "{reply:?}");

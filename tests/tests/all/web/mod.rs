@@ -3,11 +3,15 @@
 mod access;
 mod accessible;
 mod crowd;
+mod deployment;
+mod doctor;
+mod fleet;
 mod foreign;
 mod graph;
 mod pages;
 mod pictures;
 mod plots;
+mod recordings;
 mod sessions;
 mod sights;
 mod stream;

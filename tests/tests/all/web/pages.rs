@@ -212,6 +212,9 @@ fn pages_fit_a_telephone_and_have_a_name_for_each_control() {
         ("/component/demo", "document.querySelector('[data-service=goto] form button')"),
         ("/graph", "document.querySelector('.port')"),
         ("/logs", "document.querySelector('#log li')"),
+        ("/doctor", "document.querySelector('#findings details')"),
+        ("/deployment", "document.querySelector('#running')?.innerText"),
+        ("/recordings", "document.querySelector('#what option')"),
     ] {
         browser.with(
             "history.pushState(null, '', arguments[0]); dispatchEvent(new Event('popstate'))",

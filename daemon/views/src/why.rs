@@ -5,18 +5,19 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use genom_description::model::{
-    CodelParameter, Direction, PortDirection, PortIx, RemoteIx, Service, ServiceKind, Source,
+    CodelParameter, Direction, Parameter, PortDirection, PortIx, RemoteIx, Service, ServiceKind,
+    Source,
 };
 use genom_doors::RpcError;
 use genom_middleware::{Address, Obstacle};
 use genom_ports::PortKey;
-use genom_protocol::{Finding, Findings, advice};
+use genom_protocol::{Finding, Findings, Remedy, advice, routes};
 use genom_runtime::seconds;
 use genom_supervisor::Supervisor;
 use genom_supervisor::components::Hosted;
 use genom_supervisor::connections::{self, stranded};
 
-use crate::rpc::{components, ports};
+use crate::named::{find, find_port};
 
 /// Tell why no data flows through a port, or why calls of a remote fail.
 #[utoipa::path(
@@ -25,15 +26,15 @@ use crate::rpc::{components, ports};
     tag = "ports",
     responses((status = 200, body = Findings), (status = 404))
 )]
-pub(crate) async fn explain(
+pub async fn why(
     State(supervisor): State<Arc<Supervisor>>,
     Path((component, port)): Path<(String, String)>,
 ) -> Result<Json<Findings>, RpcError> {
-    let hosted = components::find(&supervisor.components, &component)?;
+    let hosted = find(&supervisor.components, &component)?;
     let remote = hosted.model().remotes.find(|remote| remote.name == port);
     let port = match remote {
         Some(_) => None,
-        None => Some(ports::find(&hosted, &port)?),
+        None => Some(find_port(&hosted, &port)?),
     };
     // Discovery may have to ask other processes, and blocks.
     let work = move || {
@@ -48,10 +49,6 @@ pub(crate) async fn explain(
         Json(Findings { findings, flows })
     };
     tokio::task::spawn_blocking(work).await.map_err(|error| RpcError::internal(error.to_string()))
-}
-
-fn finding(what: impl Into<String>, fix: impl Into<String>) -> Finding {
-    Finding { what: what.into(), fix: fix.into(), unmet: false }
 }
 
 /// Addresses of the port or its elements that were written or read recently.
@@ -78,8 +75,10 @@ fn of_port(supervisor: &Supervisor, hosted: &Hosted, port: PortIx) -> Vec<Findin
     if elements.is_empty() {
         let what = format!("{address} is a multiple port without elements");
         out.push(match model.direction {
-            PortDirection::In => finding(what, format!("`genomctl connect {address}/ELEMENT OUT`")),
-            PortDirection::Out => finding(what, "its codels have to open one"),
+            PortDirection::In => {
+                Finding::new(what, format!("`genomctl connect {address}/ELEMENT OUT`"))
+            }
+            PortDirection::Out => Finding::new(what, "its codels have to open one"),
         });
     }
     for key in elements {
@@ -91,21 +90,23 @@ fn of_port(supervisor: &Supervisor, hosted: &Hosted, port: PortIx) -> Vec<Findin
             (PortDirection::Out, _) if samples == 0 => {
                 let why = if idle(hosted) { ", and no activity runs" } else { "" };
                 let what = format!("{address} was never written{why}");
-                out.push(finding(what, start_one(hosted, port)));
+                out.push(unwritten(what, hosted, port));
             }
             (PortDirection::Out, _) if idle(hosted) && age > STALE => {
                 let what = format!(
                     "{address} was last written {} s ago, and no activity runs",
                     age / STALE
                 );
-                out.push(finding(what, start_one(hosted, port)));
+                out.push(unwritten(what, hosted, port));
             }
             (PortDirection::In, None) => {
                 let fix = format!("`genomctl connect {address} COMPONENT/PORT`");
-                out.push(finding(format!("{address} is not connected"), fix));
+                let connect = Remedy::connect(&address.to_string(), None);
+                let what = format!("{address} is not connected");
+                out.push(Finding::new(what, fix).or(connect));
                 if let Some(what) = hosted.ties.differed(&key) {
                     let fix = "make the two .gen types equal";
-                    out.push(finding(format!("a connection was refused: {what}"), fix));
+                    out.push(Finding::new(format!("a connection was refused: {what}"), fix));
                 }
             }
             (PortDirection::In, Some(made)) => {
@@ -117,27 +118,33 @@ fn of_port(supervisor: &Supervisor, hosted: &Hosted, port: PortIx) -> Vec<Findin
                 };
                 if gone {
                     let what = format!("nobody publishes {} on {}", made.outport, made.backend);
-                    out.push(finding(what, "start its component; the connection is still there"));
+                    let fix = "start its component; the connection is still there";
+                    out.push(Finding::new(what, fix).or(disconnect(hosted, &key)));
                 } else if samples == 0 {
                     let what = format!("{address} read nothing from {} yet", made.outport);
                     // Connected to its own address: values are published from outside.
-                    let fix = if made.outport == address {
-                        "see that a codel reads it: `genomctl activities` shows what runs"
-                            .to_owned()
+                    out.push(if made.outport == address {
+                        let fix =
+                            "see that a codel reads it: `genomctl activities` shows what runs";
+                        Finding::new(what, fix)
                     } else {
-                        format!("`genomctl why {}`, and see that a codel reads it", made.outport)
-                    };
-                    out.push(finding(what, fix));
+                        let see = Some(made.outport.to_string());
+                        let fix = format!(
+                            "`genomctl why {}`, and see that a codel reads it",
+                            made.outport
+                        );
+                        Finding { see, ..Finding::new(what, fix) }
+                    });
                 }
             }
             _ => {}
         }
         out.extend(unmet(supervisor, hosted, &key));
         let stranded = stranded(&supervisor.backends, hosted, &key);
-        out.extend(stranded.into_iter().map(|one| finding(one.what, one.fix)));
+        out.extend(stranded.into_iter().map(|one| Finding::new(one.what, one.fix)));
         if let Some(failed) = counts.map(|counts| counts.failed).filter(|failed| *failed > 0) {
             let what = format!("{failed} writes or reads of {address} failed");
-            out.push(finding(what, "look at the exceptions of its codels and at the log"));
+            out.push(Finding::new(what, "look at the exceptions of its codels and at the log"));
         }
     }
     out
@@ -150,10 +157,11 @@ fn of_component(hosted: &Hosted) -> Vec<Finding> {
     spinning_codels(hosted, &mut out);
     stopped_tasks(hosted, &mut out);
     broken_rules(hosted, &mut out);
-    out.extend(hosted.notes.iter().map(|note| finding(note, "see docs/freeze.md")));
+    out.extend(hosted.notes.iter().map(|note| Finding::new(note, "see docs/freeze.md")));
     if let Some(written) = hosted.damage() {
         let fix = "set check_memory = \"each-codel\" to find the codel, mend it and load it again";
-        out.push(finding(format!("the memory of {} is damaged: {written}", hosted.name), fix));
+        let what = format!("the memory of {} is damaged: {written}", hosted.name);
+        out.push(Finding::new(what, fix).or(Remedy::unload(&hosted.name)));
     }
     out
 }
@@ -175,7 +183,7 @@ fn remote_unserved(supervisor: &Supervisor, hosted: &Hosted, remote: RemoteIx) -
     let address = hosted.address(&hosted.model().remotes[remote].name, None);
     let Some(made) = hosted.ties.remote(remote) else {
         let fix = format!("`genomctl connect {address} COMPONENT/SERVICE`");
-        return vec![finding(format!("{address} is not connected"), fix)];
+        return vec![Finding::new(format!("{address} is not connected"), fix)];
     };
     let (there, place) = match &made.backend {
         None => {
@@ -202,7 +210,7 @@ fn remote_unserved(supervisor: &Supervisor, hosted: &Hosted, remote: RemoteIx) -
              tells what [services] of its daemon's configuration offers"
         }
     };
-    vec![finding(what, fix)]
+    vec![Finding::new(what, fix)]
 }
 
 /// Endpoints that exist and do not reach each other, on the middlewares in use.
@@ -222,7 +230,7 @@ fn unmet(supervisor: &Supervisor, hosted: &Hosted, key: &PortKey) -> Vec<Finding
         }
     };
     let fix = |fix: String| fix.replace("PORT]", &format!("{}]", port.name));
-    let unmet = |one: Obstacle| Finding { unmet: true, ..finding(one.what, fix(one.fix)) };
+    let unmet = |one: Obstacle| Finding { unmet: true, ..Finding::new(one.what, fix(one.fix)) };
     obstacles.into_iter().map(unmet).collect()
 }
 
@@ -234,8 +242,8 @@ fn idle(hosted: &Hosted) -> bool {
     hosted.activities.running() == 0
 }
 
-/// Which activities write a port, as advice.
-fn start_one(hosted: &Hosted, port: PortIx) -> String {
+/// An out port that nothing writes now, with the activity that would.
+fn unwritten(what: String, hosted: &Hosted, port: PortIx) -> Finding {
     let name = &hosted.name;
     let writes = |service: &&Service| {
         service.kind == ServiceKind::Activity
@@ -245,9 +253,30 @@ fn start_one(hosted: &Hosted, port: PortIx) -> String {
                 parameters.any(|one| writes_port(one, port))
             })
     };
-    match hosted.model().services.iter().find(writes) {
-        Some(service) => format!("`genomctl start {name} {}`", service.name),
-        None => format!("`genomctl info {name}` shows what can be started"),
+    let Some(service) = hosted.model().services.iter().find(writes) else {
+        return Finding::new(what, format!("`genomctl info {name}` shows what can be started"));
+    };
+    let found = Finding::new(what, format!("`genomctl start {name} {}`", service.name));
+    let takes = |one: &Parameter| one.direction != Direction::Out;
+    let given = |one: &Parameter| one.default.as_ref().is_some_and(|found| found.value.is_some());
+    if service.parameters.iter().any(|one| takes(one) && !given(one)) {
+        // Whoever starts it has to say what it takes.
+        return found;
+    }
+    let does = format!("Start {} of {name}", service.name);
+    let no_inputs = serde_json::Value::Object(serde_json::Map::new());
+    found.or(Remedy {
+        body: Some(no_inputs),
+        ..Remedy::new(does, &routes::call(name, &service.name))
+    })
+}
+
+fn disconnect(hosted: &Hosted, key: &PortKey) -> Remedy {
+    let (name, port) = (&hosted.name, &hosted.model().ports[key.port].name);
+    let does = format!("Disconnect {}", hosted.port_address(key));
+    match &key.element {
+        None => Remedy::new(does, &routes::disconnect(name, port)),
+        Some(element) => Remedy::new(does, &routes::disconnect_element(name, port, element)),
     }
 }
 
@@ -262,10 +291,11 @@ fn stuck_codels(hosted: &Hosted, out: &mut Vec<Finding>) {
         let whose =
             codel.task.as_ref().map_or("a request".to_owned(), |task| format!("task {task}"));
         let time = seconds(codel.for_ns);
-        out.push(finding(
-            format!("{whose} of {name} is stuck in {} of {} for {time}", codel.codel, codel.owner),
-            format!("look at what the codel waits for; `genomctl unload {name}` leaves it behind"),
-        ));
+        let what =
+            format!("{whose} of {name} is stuck in {} of {} for {time}", codel.codel, codel.owner);
+        let fix =
+            format!("look at what the codel waits for; `genomctl unload {name}` leaves it behind");
+        out.push(Finding::new(what, fix).or(Remedy::unload(name)));
     }
 }
 
@@ -273,10 +303,9 @@ fn stuck_codels(hosted: &Hosted, out: &mut Vec<Finding>) {
 fn spinning_codels(hosted: &Hosted, out: &mut Vec<Finding>) {
     for spin in hosted.spins() {
         let (task, codel) = (&spin.unpaused.task, &spin.unpaused.codel);
-        out.push(finding(
-            format!("task {task} of {} does not pause: {spin}", hosted.name),
-            advice::unpaused(codel),
-        ));
+        let name = &hosted.name;
+        let what = format!("task {task} of {name} does not pause: {spin}");
+        out.push(Finding::new(what, advice::unpaused(codel)).or(Remedy::reload(name)));
     }
 }
 
@@ -285,7 +314,7 @@ fn stopped_tasks(hosted: &Hosted, out: &mut Vec<Finding>) {
     let name = &hosted.name;
     for task in hosted.figures().tasks.iter().filter(|task| task.overruns > 0) {
         let what = format!("task {} of {name} missed {} ticks", task.name, task.overruns);
-        out.push(finding(what, advice::overruns(name)));
+        out.push(Finding::new(what, advice::overruns(name)));
     }
 }
 
@@ -293,6 +322,7 @@ fn stopped_tasks(hosted: &Hosted, out: &mut Vec<Finding>) {
 fn broken_rules(hosted: &Hosted, out: &mut Vec<Finding>) {
     let name = &hosted.name;
     for rule in hosted.rules().iter().filter(|rule| rule.violations > 0) {
-        out.push(finding(advice::broken_rule(name, rule), advice::after_broken_rule(name)));
+        let (what, fix) = (advice::broken_rule(name, rule), advice::after_broken_rule(name));
+        out.push(Finding::new(what, fix).or(Remedy::reload(name)));
     }
 }

@@ -1,9 +1,10 @@
 //! Findings from files of the machine (`/proc`, `/sys`, `/dev`).
 
-use super::finding::Finding;
-use super::machine::Machine;
-use super::memory;
-use genom_drawing::units::bytes;
+use genom_protocol::Diagnosis;
+use genom_protocol::units::bytes;
+
+use crate::machine::Machine;
+use crate::memory;
 
 /// Shared memory smaller than this holds only few images.
 const LITTLE_MEMORY: u64 = 64 << 20;
@@ -14,7 +15,8 @@ const SYS_NICE: u32 = 23;
 const IPC_LOCK: u32 = 14;
 
 /// All findings that files give.
-pub(crate) fn findings(machine: &Machine) -> Vec<Finding> {
+#[must_use]
+pub fn of_files(machine: &Machine) -> Vec<Diagnosis> {
     let mut found = vec![
         shared_memory(machine),
         memory::nodes(machine, &memory::roots(machine)),
@@ -28,15 +30,15 @@ pub(crate) fn findings(machine: &Machine) -> Vec<Finding> {
     found
 }
 
-fn shared_memory(machine: &Machine) -> Finding {
+fn shared_memory(machine: &Machine) -> Diagnosis {
     const ABOUT: &str = "shared memory";
     let path = machine.path("/dev/shm");
     if !path.is_dir() {
         let fix = "`mount -t tmpfs tmpfs /dev/shm`; in a container, give it one";
-        return Finding::problem(ABOUT, "there is no /dev/shm: backend shm cannot start", fix);
+        return Diagnosis::problem(ABOUT, "there is no /dev/shm: backend shm cannot start", fix);
     }
     let Ok(space) = rustix::fs::statvfs(&path) else {
-        return Finding::problem(ABOUT, "/dev/shm cannot be looked at", "see its permissions");
+        return Diagnosis::problem(ABOUT, "/dev/shm cannot be looked at", "see its permissions");
     };
     let free = space.f_bavail.saturating_mul(space.f_frsize);
     if free < LITTLE_MEMORY {
@@ -44,35 +46,35 @@ fn shared_memory(machine: &Machine) -> Finding {
         let what = format!("{} are free in /dev/shm", bytes(free as f64));
         let fix = "`mount -o remount,size=1G /dev/shm`; in a container, --shm-size=1g; or remove \
                    what killed programs left there";
-        return Finding::problem(ABOUT, what, fix);
+        return Diagnosis::problem(ABOUT, what, fix);
     }
-    Finding::ok(ABOUT, "/dev/shm is there and has room")
+    Diagnosis::ok(ABOUT, "/dev/shm is there and has room")
 }
 
 /// Flags of a network interface (linux/if.h).
 const UP: u32 = 0x1;
 const MULTICAST: u32 = 0x1000;
 
-fn loopback(machine: &Machine) -> Finding {
+fn loopback(machine: &Machine) -> Diagnosis {
     const ABOUT: &str = "loopback";
     let flags = machine.text("/sys/class/net/lo/flags");
     let flags = flags.and_then(|text| u32::from_str_radix(text.trim_start_matches("0x"), 16).ok());
     match flags {
-        None => Finding::problem(ABOUT, "there is no interface lo", "`ip link set lo up`"),
+        None => Diagnosis::problem(ABOUT, "there is no interface lo", "`ip link set lo up`"),
         Some(flags) if flags & UP == 0 => {
-            Finding::problem(ABOUT, "interface lo is down", "`ip link set lo up`")
+            Diagnosis::problem(ABOUT, "interface lo is down", "`ip link set lo up`")
         }
-        Some(flags) if flags & MULTICAST == 0 => Finding::note(
+        Some(flags) if flags & MULTICAST == 0 => Diagnosis::note(
             ABOUT,
             "interface lo has no multicast: ROS 2 peers on this machine find each other only when \
              another interface is up",
             "`ip link set lo multicast on` and `ip route add 239.0.0.0/8 dev lo`",
         ),
-        Some(_) => Finding::ok(ABOUT, "interface lo is up, with multicast"),
+        Some(_) => Diagnosis::ok(ABOUT, "interface lo is up, with multicast"),
     }
 }
 
-fn buffers(machine: &Machine) -> Finding {
+fn buffers(machine: &Machine) -> Diagnosis {
     const ABOUT: &str = "socket buffers";
     let most: Option<u64> =
         machine.text("/proc/sys/net/core/rmem_max").and_then(|text| text.parse().ok());
@@ -80,20 +82,20 @@ fn buffers(machine: &Machine) -> Finding {
         Some(most) if most < SMALL_BUFFER => {
             #[allow(clippy::cast_precision_loss, reason = "a few digits are shown")]
             let what = format!("{} at most: ROS 2 loses large samples", bytes(most as f64));
-            Finding::note(ABOUT, what, "`sysctl -w net.core.rmem_max=8388608`")
+            Diagnosis::note(ABOUT, what, "`sysctl -w net.core.rmem_max=8388608`")
         }
-        Some(_) => Finding::ok(ABOUT, "large enough for large samples"),
-        None => Finding::ok(ABOUT, "not told"),
+        Some(_) => Diagnosis::ok(ABOUT, "large enough for large samples"),
+        None => Diagnosis::ok(ABOUT, "not told"),
     }
 }
 
-fn domain(set: Option<&str>) -> Finding {
+fn domain(set: Option<&str>) -> Diagnosis {
     const ABOUT: &str = "ROS domain";
     match set {
-        None => Finding::ok(ABOUT, "0, as nothing else is said"),
+        None => Diagnosis::ok(ABOUT, "0, as nothing else is said"),
         Some(text) => match text.parse::<u32>() {
-            Ok(domain) if domain <= 232 => Finding::ok(ABOUT, format!("{domain}")),
-            _ => Finding::problem(
+            Ok(domain) if domain <= 232 => Diagnosis::ok(ABOUT, format!("{domain}")),
+            _ => Diagnosis::problem(
                 ABOUT,
                 format!("ROS_DOMAIN_ID is `{text}`"),
                 "a number from 0 to 232",
@@ -102,7 +104,7 @@ fn domain(set: Option<&str>) -> Finding {
     }
 }
 
-fn rights(machine: &Machine) -> Vec<Finding> {
+fn rights(machine: &Machine) -> Vec<Diagnosis> {
     let capabilities = machine.text("/proc/self/status").and_then(|text| {
         let line = text.lines().find_map(|line| line.strip_prefix("CapEff:"))?.trim().to_owned();
         u64::from_str_radix(&line, 16).ok()
@@ -115,9 +117,9 @@ fn rights(machine: &Machine) -> Vec<Finding> {
     };
     let priority = limit("Max realtime priority").unwrap_or_default();
     let real_time = if has(SYS_NICE) || priority.parse().is_ok_and(|most: u32| most >= 90) {
-        Finding::ok("real-time rights", "tasks may have real-time priorities")
+        Diagnosis::ok("real-time rights", "tasks may have real-time priorities")
     } else {
-        Finding::note(
+        Diagnosis::note(
             "real-time rights",
             format!("RLIMIT_RTPRIO is {priority}: real-time tasks run as any thread"),
             "`@realtime - rtprio 95` in /etc/security/limits.d/genom.conf, then log in again; in a \
@@ -126,9 +128,9 @@ fn rights(machine: &Machine) -> Vec<Finding> {
     };
     let memory = limit("Max locked memory").unwrap_or_default();
     let locked = if has(IPC_LOCK) || memory == "unlimited" {
-        Finding::ok("locked memory", "as much as is wanted")
+        Diagnosis::ok("locked memory", "as much as is wanted")
     } else {
-        Finding::note(
+        Diagnosis::note(
             "locked memory",
             format!("{memory} bytes at most: pages of real-time tasks may be swapped out"),
             "`@realtime - memlock unlimited` in /etc/security/limits.d/genom.conf; in a container, \
@@ -138,49 +140,50 @@ fn rights(machine: &Machine) -> Vec<Finding> {
     vec![real_time, locked]
 }
 
-fn timing(machine: &Machine) -> Vec<Finding> {
+fn timing(machine: &Machine) -> Vec<Diagnosis> {
     // Tasks set their own timer slack; this reports what they cannot change.
     let source = "/sys/devices/system/clocksource/clocksource0/current_clocksource";
     let clock = match machine.text(source) {
-        Some(name) if ["hpet", "acpi_pm", "jiffies"].contains(&name.as_str()) => Finding::note(
+        Some(name) if ["hpet", "acpi_pm", "jiffies"].contains(&name.as_str()) => Diagnosis::note(
             "clock",
             format!("clock source {name} is slow to read"),
             "boot with clocksource=tsc, when the processor has a steady one",
         ),
-        Some(name) => Finding::ok("clock", format!("clock source {name}")),
-        None => Finding::ok("clock", "not told"),
+        Some(name) => Diagnosis::ok("clock", format!("clock source {name}")),
+        None => Diagnosis::ok("clock", "not told"),
     };
     let slack = match machine.text("/proc/self/timerslack_ns") {
-        Some(slack) => Finding::ok("timer slack", format!("{slack} ns; tasks ask for 1 ns")),
-        None => Finding::note(
+        Some(slack) => Diagnosis::ok("timer slack", format!("{slack} ns; tasks ask for 1 ns")),
+        None => Diagnosis::note(
             "timer slack",
             "/proc/self/timerslack_ns is missing: wake-ups may be gathered",
             "a kernel with timer slack (Linux 4.6 or later)",
         ),
     };
     let governor = match machine.text("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor") {
-        Some(name) if name == "powersave" => Finding::note(
+        Some(name) if name == "powersave" => Diagnosis::note(
             "processor speed",
             "governor powersave: the first cycles after a pause are slow",
             "`cpupower frequency-set -g performance`",
         ),
-        Some(name) => Finding::ok("processor speed", format!("governor {name}")),
-        None => Finding::ok("processor speed", "not governed"),
+        Some(name) => Diagnosis::ok("processor speed", format!("governor {name}")),
+        None => Diagnosis::ok("processor speed", "not governed"),
     };
     vec![clock, slack, governor]
 }
 
 #[cfg(test)]
 mod tests {
+    use genom_protocol::Severity;
+
     use super::*;
-    use crate::doctor::Level;
 
     #[test]
     fn a_domain_is_a_small_number() {
-        assert_eq!(domain(None).level, Level::Ok);
-        assert_eq!(domain(Some("232")).level, Level::Ok);
+        assert_eq!(domain(None).level, Severity::Ok);
+        assert_eq!(domain(Some("232")).level, Severity::Ok);
         for wrong in ["233", "-1", "robot", ""] {
-            assert_eq!(domain(Some(wrong)).level, Level::Problem, "{wrong}");
+            assert_eq!(domain(Some(wrong)).level, Severity::Problem, "{wrong}");
         }
     }
 }

@@ -3,11 +3,12 @@
 use std::fs;
 use std::os::unix::fs::MetadataExt as _;
 
-use super::finding::Finding;
-use super::machine::Machine;
+use genom_protocol::Diagnosis;
+
+use crate::machine::Machine;
 
 /// Prefixes of names of segments: genomd's default, and that of iceoryx2.
-pub(super) const PREFIXES: [&str; 2] = ["genomd_", "iox2_"];
+pub(crate) const PREFIXES: [&str; 2] = ["genomd_", "iox2_"];
 
 /// Suffixes of names of iceoryx2's segments.
 const KINDS: [&str; 5] = [".dynamic", ".data", ".connection", ".event_mgmt", ".global_mgmt"];
@@ -16,7 +17,7 @@ const KINDS: [&str; 5] = [".dynamic", ".data", ".connection", ".event_mgmt", ".g
 const NAMED: usize = 3;
 
 /// Directories of iceoryx2's files: those of each user's daemons, and iceoryx2's default.
-pub(super) fn roots(machine: &Machine) -> Vec<String> {
+pub(crate) fn roots(machine: &Machine) -> Vec<String> {
     let below = |folder: &str, start: &str, rest: &str| {
         let found = fs::read_dir(machine.path(folder)).into_iter().flatten().flatten();
         let names = found.filter_map(|entry| entry.file_name().into_string().ok());
@@ -31,7 +32,7 @@ pub(super) fn roots(machine: &Machine) -> Vec<String> {
 
 /// Checks for iceoryx2 nodes of dead processes. A node is a directory whose name, a number,
 /// contains the process identifier.
-pub(super) fn nodes(machine: &Machine, roots: &[String]) -> Finding {
+pub(crate) fn nodes(machine: &Machine, roots: &[String]) -> Diagnosis {
     const ABOUT: &str = "iceoryx2 nodes";
     let (mut live, mut stale) = (0, Vec::new());
     for root in roots {
@@ -50,15 +51,15 @@ pub(super) fn nodes(machine: &Machine, roots: &[String]) -> Finding {
         }
     }
     if stale.is_empty() {
-        return Finding::ok(ABOUT, format!("{live} at work, none left behind"));
+        return Diagnosis::ok(ABOUT, format!("{live} at work, none left behind"));
     }
     stale.sort();
     let what = format!("left behind by processes that are gone: {}", stale.join(", "));
-    Finding::note(ABOUT, what, "the next `genomd --backend shm` removes what they left")
+    Diagnosis::note(ABOUT, what, "the next `genomd --backend shm` removes what they left")
 }
 
 /// Checks for segments that were never completed or were truncated.
-pub(super) fn segments(machine: &Machine, prefixes: &[&str]) -> Finding {
+pub(crate) fn segments(machine: &Machine, prefixes: &[&str]) -> Diagnosis {
     const ABOUT: &str = "iceoryx2 segments";
     let (mut whole, mut damaged) = (0, Vec::new());
     for entry in fs::read_dir(machine.path("/dev/shm")).into_iter().flatten().flatten() {
@@ -79,7 +80,7 @@ pub(super) fn segments(machine: &Machine, prefixes: &[&str]) -> Finding {
         }
     }
     if damaged.is_empty() {
-        return Finding::ok(ABOUT, format!("{whole} there, none damaged"));
+        return Diagnosis::ok(ABOUT, format!("{whole} there, none damaged"));
     }
     damaged.sort();
     let more = damaged.len().saturating_sub(NAMED);
@@ -88,5 +89,5 @@ pub(super) fn segments(machine: &Machine, prefixes: &[&str]) -> Finding {
     let what = format!("programs wait that open them: {}{more}", damaged.join("; "));
     let fix = "`genomd --backend shm` on the same folder removes those of killed programs; `rm` \
                those that stay";
-    Finding::problem(ABOUT, what, fix)
+    Diagnosis::problem(ABOUT, what, fix)
 }
