@@ -69,8 +69,7 @@ impl System {
             });
             if let Some(run) = run {
                 (found.overrun, found.open) = (self.dated(times, &run), false);
-                // Runs of parts are not always ones that the runtime plays.
-                found.course = Course::default();
+                found.course = Course { steps: run };
                 // The longest cycle of what was seen need not be the longest one.
                 found.response = None;
                 found.slowest.clear();

@@ -1,9 +1,13 @@
 //! A search for a tick that comes while its task is at work: what may take longest is looked at first.
+//!
+//! Steps for which no time passes come at once: those of control and workers before all others, since
+//! the runtime takes them by itself, and all of them before ticks of the same date. So the runtime
+//! plays what is found; and what this leaves out differs in nothing but the order at one date.
 
 use std::collections::BinaryHeap;
 use std::time::Instant;
 
-use super::clocks::{Clock, clocks, guarded, initial, stepped};
+use super::clocks::{Clock, clocks, guarded, initial, is_urgent, stepped};
 use super::explore::{Timed, works};
 use super::potential::Potential;
 use super::table::Table;
@@ -35,7 +39,12 @@ pub(crate) fn seek(
         let Some((state, zone)) = table.get(number) else { continue };
         let zone = zone.clone();
         let before = clocks(system, times, &state);
-        for (action, step) in system.timed(&state).iter().zip(0u16..) {
+        let steps = system.timed(&state);
+        let (urgent, first) = (is_urgent(system, &state), steps.iter().any(is_first));
+        for (action, step) in steps.iter().zip(0u16..) {
+            if first && !is_first(action) || urgent && matches!(action, Action::Tick(_)) {
+                continue;
+            }
             let Some(possible) = guarded(system, times, (&state, &before), &zone, *action) else {
                 continue;
             };
@@ -60,4 +69,9 @@ pub(crate) fn seek(
         }
     }
     None
+}
+
+/// Whether no script says when this happens: it does as soon as it can.
+fn is_first(action: &Action) -> bool {
+    matches!(action, Action::Start | Action::Advance | Action::Wake(_) | Action::Proceed(_))
 }
