@@ -74,18 +74,26 @@ export async function doctor(page, context) {
     put(flows, (found.flows ?? []).map((flow) => el("p", { class: "good" }, "Data flows: ", flow)),
       found.findings.length === 0 && !found.flows?.length && el("p", { class: "good" }, "Nothing is wrong."));
     if (cards.size === 0) put(silent);
-    // A finding that stays keeps its element, and its buttons the focus.
-    const now = new Map(found.findings.map((one) => [JSON.stringify(one), one]));
-    for (const [key, node] of cards) {
-      if (now.has(key)) continue;
-      node.remove();
+    // A finding that stays keeps its element, and its buttons the focus, while its numbers change.
+    const now = new Map();
+    for (const one of found.findings) {
+      const kind = JSON.stringify(one).replace(/\d+/g, "#");
+      let key = kind;
+      for (let next = 2; now.has(key); next += 1) key = `${kind} ${next}`;
+      now.set(key, one);
+    }
+    for (const [key, shown] of cards) {
+      if (now.has(key) && shown.remedies === JSON.stringify(now.get(key).remedies)) continue;
+      shown.node.remove();
       cards.delete(key);
     }
     let at = 0;
     for (const [key, one] of now) {
-      const node = cards.get(key) ?? card({ ...one, level: one.unmet ? "problem" : "note", about: port });
-      cards.set(key, node);
-      if (silent.children[at] !== node) silent.insertBefore(node, silent.children[at] ?? null);
+      const shown = cards.get(key) ?? { remedies: JSON.stringify(one.remedies),
+        node: card({ ...one, level: one.unmet ? "problem" : "note", about: port }) };
+      cards.set(key, shown);
+      put(shown.node.querySelector(".what"), name(one.what));
+      if (silent.children[at] !== shown.node) silent.insertBefore(shown.node, silent.children[at] ?? null);
       at += 1;
     }
   }
@@ -115,7 +123,7 @@ export async function doctor(page, context) {
     const mine = (one.remedies ?? []).filter((remedy) => context.may(remedy.right));
     return el("article", { class: "card finding", "data-level": one.level },
       el("p", {}, el("span", { class: `pill ${LEVELS[one.level] ?? ""}` }, one.level), " ",
-        el("strong", {}, name(one.about)), " ", name(one.what)),
+        el("strong", {}, name(one.about)), " ", el("span", { class: "what" }, name(one.what))),
       one.fix && el("p", { class: "fix" }, advice(one.fix)),
       one.see && el("p", {}, link(whyOf(one.see), "Why is ", name(one.see), " silent?")),
       mine.length > 0 && el("div", { class: "row" }, mine.map(button)));

@@ -16,8 +16,8 @@ use crate::place::Reach;
 /// How long the daemon may take until there is a gateway.
 const PATIENCE: Duration = Duration::from_secs(70);
 
-/// How long it may take to find somebody who starts one.
-const NOBODY: Duration = Duration::from_secs(5);
+/// How long it may take to find somebody who starts one, on a machine that is busy.
+const NOBODY: Duration = Duration::from_secs(20);
 
 /// A middleware that a gateway has opened.
 #[derive(Clone)]
