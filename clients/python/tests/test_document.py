@@ -171,7 +171,7 @@ class Elsewhere(Compared):
     def test_the_daemon_is_asked_for_what_it_documents(self):
         self.assertEqual(self.g.stats(self.demo.name)["tasks"][0]["name"], "main")
         self.assertIn("[[component]]", self.g.dump())
-        self.assertEqual(self.g.why(f"{self.demo.name}/parameter")[0].keys(), {"what", "fix"})
+        self.assertEqual(self.g.why(f"{self.demo.name}/parameter")[0].keys(), {"what", "fix", "remedies"})
         self.demo.move("local")
         self.demo.fire("emergency")
         self.assertEqual(self.demo.activities(), [])
