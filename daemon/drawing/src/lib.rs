@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 pub mod picture;
+mod plain;
 pub mod plot;
 pub mod top;
 pub mod units;

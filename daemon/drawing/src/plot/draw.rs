@@ -2,8 +2,6 @@
 
 use genom_protocol::Address;
 use ratatui::Frame;
-use ratatui::Terminal;
-use ratatui::backend::TestBackend;
 use ratatui::layout::{Constraint, Layout};
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::symbols::Marker;
@@ -12,6 +10,7 @@ use ratatui::widgets::{Axis, Chart, Dataset, GraphType};
 use serde_json::{Value, json};
 
 use super::columns::{Columns, TIMES};
+use crate::plain;
 
 /// Colours of curves, one after the other.
 const COLOURS: [Color; 6] =
@@ -213,16 +212,7 @@ fn short(value: f64) -> String {
 /// The plot as plain text, `width` columns wide and `height` lines high.
 #[must_use]
 pub fn text(plot: &Plot, width: u16, height: u16) -> String {
-    // This backend draws into memory and cannot fail.
-    let Ok(mut terminal) = Terminal::new(TestBackend::new(width, height));
-    let Ok(_) = terminal.draw(|frame| plot.draw(frame, ""));
-    let mut out = String::new();
-    for line in terminal.backend().buffer().content().chunks(usize::from(width)) {
-        let line: String = line.iter().map(|cell| cell.symbol()).collect();
-        out.push_str(line.trim_end());
-        out.push('\n');
-    }
-    out
+    plain::text(width, height, |frame| plot.draw(frame, ""))
 }
 
 #[cfg(test)]

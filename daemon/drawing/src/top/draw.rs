@@ -2,8 +2,6 @@
 
 use genom_protocol::Status;
 use ratatui::Frame;
-use ratatui::Terminal;
-use ratatui::backend::TestBackend;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::Line;
@@ -11,6 +9,7 @@ use ratatui::widgets::{Row, Table};
 
 use super::snapshot::Snapshot;
 use super::trend::Trends;
+use crate::plain;
 use crate::units::duration;
 
 /// Maximum number of activities drawn.
@@ -191,17 +190,7 @@ pub fn text(now: &Snapshot, before: Option<&Snapshot>, width: u16) -> String {
     let activities = now.activities().len().min(ACTIVITIES);
     let rows = [now.tasks().count(), activities, now.ports.len()];
     let all: u16 = rows.iter().map(|&rows| height(rows)).sum();
-    // This backend draws into memory and cannot fail.
-    let Ok(mut terminal) = Terminal::new(TestBackend::new(width, all + 1));
-    let Ok(_) = terminal.draw(|frame| draw(frame, now, before, &Trends::default(), 0, ""));
-    let buffer = terminal.backend().buffer();
-    let mut out = String::new();
-    for line in buffer.content().chunks(usize::from(width)) {
-        let line: String = line.iter().map(|cell| cell.symbol()).collect();
-        out.push_str(line.trim_end());
-        out.push('\n');
-    }
-    out
+    plain::text(width, all + 1, |frame| draw(frame, now, before, &Trends::default(), 0, ""))
 }
 
 #[cfg(test)]
@@ -213,6 +202,8 @@ mod tests {
         Activity, BackendNames, Component, Counts, Durations, Outcome, Port, PortDirection,
         TaskStatistics,
     };
+    use ratatui::Terminal;
+    use ratatui::backend::TestBackend;
     use std::time::{Duration, Instant};
 
     fn durations(ns: u64) -> Durations {
