@@ -318,13 +318,20 @@ pub fn services_show_while_they_are_served(world: &dyn World) {
         seen.iter()
             .any(|end| end.kind == EndpointKind::Service && end.address == goto().to_string())
     };
+    // Listing a single address gives the same result.
+    let kinds = || -> Vec<EndpointKind> {
+        b.ends_at(&goto()).expect("a list").iter().map(|end| end.kind).collect()
+    };
     let mut client = b.client(&goto(), &function).unwrap();
     assert!(!shows(), "a caller is no service");
+    assert_eq!(kinds(), []);
     let served = a.serve(&goto(), &function, Arc::new(Adder::default())).unwrap();
     eventually("the service shows", shows);
+    assert_eq!(kinds(), [EndpointKind::Service]);
     assert_eq!(success(answered(&mut *client, 5)), 1005);
     drop(served);
     eventually("the service is gone", || !shows());
+    assert_eq!(kinds(), []);
     drop((client, a, b));
     assert_eq!(world.leftovers(), Vec::<String>::new());
 }

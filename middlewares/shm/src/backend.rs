@@ -205,6 +205,7 @@ impl Discovery for Shm {
 
     fn ends_at(&self, at: &Address) -> Result<Vec<Endpoint>, DiscoverError> {
         let _busy = self.inner.ground.watcher.busy();
-        Ok(discover::at(&self.inner.ground.node, at))
+        let _ = self.inner.ground.watcher.heal_dead();
+        Ok(discover::at(&self.inner.ground, at))
     }
 }

@@ -86,7 +86,7 @@ fn files(node: &Node<Ipc>) -> Vec<(u128, PathBuf)> {
 }
 
 /// The nodes that are alive, or may be.
-fn alive(node: &Node<Ipc>) -> Vec<u128> {
+pub(crate) fn alive(node: &Node<Ipc>) -> Vec<u128> {
     let mut found = vec![node.id().value()];
     let _ = Node::<Ipc>::list(node.config(), |state| {
         if !matches!(state, NodeState::Dead(_)) {

@@ -6,8 +6,9 @@ use iceoryx2::service::static_config::StaticConfig;
 use iceoryx2::service::static_config::messaging_pattern::MessagingPattern as Pattern;
 
 use crate::attributes::{TYPE_KEY, attribute};
-use crate::catalog;
+use crate::catalog::{self, Kind};
 use crate::error::BACKEND;
+use crate::ground::Ground;
 use crate::queue;
 use crate::raw::{self, Ipc};
 
@@ -32,17 +33,21 @@ pub(crate) fn list(node: &Node<Ipc>) -> Result<Vec<Endpoint>, DiscoverError> {
     Ok(seen)
 }
 
-/// The endpoints at one address; opens at most one service of iceoryx2 for it.
-pub(crate) fn at(node: &Node<Ipc>, at: &Address) -> Vec<Endpoint> {
-    let mut seen = Vec::new();
+/// The endpoints at one address; opens at most one service of iceoryx2 for it, and reads only what
+/// is new in catalogs.
+pub(crate) fn at(ground: &Ground, at: &Address) -> Vec<Endpoint> {
+    let (node, mut seen) = (&ground.node, Vec::new());
     let address = at.to_string();
     let Ok(name) = ServiceName::new(&address) else { return seen };
     let pattern = MessagingPattern::PublishSubscribe;
     if let Ok(Some(service)) = <Ipc as Service>::details(&name, node.config(), pattern) {
         ends(node, &service.static_details, &mut seen);
     }
-    catalog::listed(node, &mut seen);
-    seen.retain(|end| end.address == address);
+    let mut offers = ground.offered(Kind::Service, at);
+    if !seen.iter().any(|end| end.kind == EndpointKind::Publisher) {
+        offers.extend(ground.offered(Kind::Writer, at));
+    }
+    seen.extend(offers);
     seen
 }
 

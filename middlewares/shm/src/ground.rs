@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 use genom_middleware::describe::type_of_port;
-use genom_middleware::{Address, OpenError};
+use genom_middleware::{Address, Endpoint, EndpointKind, OpenError};
 use genom_types::DataType;
 use iceoryx2::port::publisher::PublisherCreateError;
 use iceoryx2::prelude::*;
@@ -14,7 +14,7 @@ use iceoryx2::service::builder::publish_subscribe::{
 
 use crate::attain::{Attempt, attain};
 use crate::attributes::{DIGEST_KEY, TYPE_KEY, attribute, attributes, describe, type_of_service};
-use crate::catalog::{Catalog, CatalogError, Kind, Offer, Reader};
+use crate::catalog::{self, Catalog, CatalogError, Kind, Offer, Reader};
 use crate::error::{BACKEND, failed};
 use crate::options::Options;
 use crate::raw::{self, Ipc, RawPublisher, RawService};
@@ -98,6 +98,22 @@ impl Ground {
     /// The daemons that offer something at an address, including killed ones.
     pub(crate) fn find(&self, kind: Kind, at: &Address) -> Vec<(u128, Offer)> {
         lock(&self.others).find(&self.node, kind, &at.to_string())
+    }
+
+    /// What living daemons offer at an address, as endpoints.
+    pub(crate) fn offered(&self, kind: Kind, at: &Address) -> Vec<Endpoint> {
+        let mut found = self.find(kind, at);
+        if found.is_empty() {
+            return Vec::new();
+        }
+        let alive = catalog::alive(&self.node);
+        found.retain(|(owner, _)| alive.contains(owner));
+        let kind = match kind {
+            Kind::Service => EndpointKind::Service,
+            Kind::Writer => EndpointKind::Publisher,
+        };
+        let end = |offer: Offer| Endpoint { kind, address: at.to_string(), ty: offer.spelling };
+        found.into_iter().map(|(_, offer)| end(offer)).collect()
     }
 
     /// The settings of a port's own service.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use genom_configuration::place::{Place, PlaceError};
 use genom_description::model::{PortDirection, RemoteIx};
-use genom_middleware::{Address, EndpointKind, Middleware, OpenError};
+use genom_middleware::{Address, DiscoverError, EndpointKind, Middleware, OpenError};
 use genom_nearest::suggest;
 use genom_ports::PortKey;
 use genom_protocol::address::NoAddress;
@@ -158,21 +158,34 @@ pub fn serves(middleware: &dyn Middleware, service: &Address) -> bool {
     shows(middleware, EndpointKind::Service, service)
 }
 
-fn shows(middleware: &dyn Middleware, kind: EndpointKind, at: &Address) -> bool {
-    visible(middleware, kind, at).is_ok_and(|all| all.contains(&middleware.spelled(at)))
+/// Whether an endpoint of that kind is visible at an address.
+pub(super) fn shows(middleware: &dyn Middleware, kind: EndpointKind, at: &Address) -> bool {
+    is_visible(middleware, kind, at).unwrap_or(false)
 }
 
-/// Addresses of all visible endpoints of a kind, sorted. `at` is used in errors only.
+/// The same, with the reason if the middleware cannot tell. Asks for this address only: listing
+/// everything for each of many connections would take a time that grows with their square.
+pub(super) fn is_visible(
+    middleware: &dyn Middleware,
+    kind: EndpointKind,
+    at: &Address,
+) -> Result<bool, ConnectError> {
+    let ends = middleware.ends_at(at).map_err(|error| unknown(error, at))?;
+    Ok(ends.iter().any(|end| end.kind == kind))
+}
+
+/// Addresses of all visible endpoints of a kind, sorted, for messages that suggest one. `at` is used
+/// in errors only.
 pub(super) fn visible(
     middleware: &dyn Middleware,
     kind: EndpointKind,
     at: &Address,
 ) -> Result<BTreeSet<String>, ConnectError> {
-    let endpoints = middleware.discover().map_err(|error| OpenError::Failed {
-        backend: error.backend,
-        address: at.clone(),
-        why: error.why,
-    })?;
+    let endpoints = middleware.discover().map_err(|error| unknown(error, at))?;
     let ends = endpoints.into_iter().filter(|found| found.kind == kind);
     Ok(ends.map(|found| found.address).collect())
+}
+
+fn unknown(error: DiscoverError, at: &Address) -> ConnectError {
+    OpenError::Failed { backend: error.backend, address: at.clone(), why: error.why }.into()
 }

@@ -14,7 +14,7 @@ use genom_types::DataType;
 use super::core::{Connections, LOOK_AGAIN, Wanted};
 use super::elsewhere::SHARED;
 use super::error::{ConnectError, Kind};
-use super::find::{Outlet, publishes, split, visible};
+use super::find::{Outlet, is_visible, publishes, split, visible};
 use crate::components::Hosted;
 use crate::ties::PortConnection;
 use genom_bus::Change;
@@ -243,21 +243,19 @@ fn check_remote(
         let help = "load both on another backend";
         return Err(ConnectError::outport(Kind::Port, message, help));
     }
-    let wanted = middleware.spelled(outport);
-    let visible = loop {
+    while !is_visible(middleware, EndpointKind::Publisher, outport)? {
+        if Instant::now() < end {
+            std::thread::park_timeout(LOOK_AGAIN);
+            continue;
+        }
+        let wanted = middleware.spelled(outport);
         let visible = visible(middleware, EndpointKind::Publisher, outport)?;
-        if visible.contains(&wanted) {
-            return Ok(());
-        }
-        if Instant::now() >= end {
-            break visible;
-        }
-        std::thread::park_timeout(LOOK_AGAIN);
-    };
-    let help = format!(
-        "{}; a writer that comes later is waited for with --wait",
-        suggest(&wanted, visible.iter().map(String::as_str))
-    );
-    let message = format!("nobody publishes {wanted} on {backend}");
-    Err(ConnectError::NoSuchOutport { kind: Kind::Port, message, help, absent: true })
+        let help = format!(
+            "{}; a writer that comes later is waited for with --wait",
+            suggest(&wanted, visible.iter().map(String::as_str))
+        );
+        let message = format!("nobody publishes {wanted} on {backend}");
+        return Err(ConnectError::NoSuchOutport { kind: Kind::Port, message, help, absent: true });
+    }
+    Ok(())
 }

@@ -16,7 +16,7 @@ use super::calls::{DirectCall, FarCall};
 use super::core::{Connections, LOOK_AGAIN, Patience, Wanted};
 use super::elsewhere::SHARED;
 use super::error::{ConnectError, Kind};
-use super::find::{Outlet, visible};
+use super::find::{Outlet, is_visible, visible};
 use super::serve::kind_of;
 use crate::components::Hosted;
 use crate::ties::ServiceConnection;
@@ -158,13 +158,10 @@ impl Connections {
         let ends = all.iter().map(|middleware| patience.end(&self.backends, middleware.as_ref()));
         let end = ends.max().unwrap_or_else(Instant::now);
         loop {
-            let mut seen = BTreeSet::new();
             for middleware in all {
-                let services = visible(middleware.as_ref(), EndpointKind::Service, at)?;
-                if services.contains(&middleware.spelled(at)) {
+                if is_visible(middleware.as_ref(), EndpointKind::Service, at)? {
                     return Ok(Arc::clone(middleware));
                 }
-                seen.extend(services);
             }
             if Instant::now() < end {
                 std::thread::park_timeout(LOOK_AGAIN);
@@ -172,6 +169,10 @@ impl Connections {
             }
             if let Some(first) = all.first().filter(|_| wanted.wait) {
                 return Ok(Arc::clone(first));
+            }
+            let mut seen = BTreeSet::new();
+            for middleware in all {
+                seen.extend(visible(middleware.as_ref(), EndpointKind::Service, at)?);
             }
             let names: Vec<_> = all.iter().map(|middleware| middleware.name()).collect();
             let help = format!(

@@ -4,10 +4,11 @@
 //! These see a port that nobody writes or reads.
 
 use genom_description::model::PortDirection;
-use genom_middleware::{Address, EndpointKind, Middleware};
+use genom_middleware::{Address, EndpointKind};
 use genom_ports::PortKey;
 use genom_registry::Backends;
 
+use super::find::shows;
 use crate::components::Hosted;
 
 /// An endpoint that the port does not reach, and how to connect it.
@@ -70,9 +71,4 @@ fn unread(at: &Address, on: &str, reads: Option<&Address>) -> Stranded {
         what: format!("somebody publishes {at} on {on}, and {reads}"),
         fix: format!("`genomctl connect {at} {on}:{at}`, or have them begin again"),
     }
-}
-
-/// Whether an endpoint of that kind is visible there.
-fn shows(open: &dyn Middleware, kind: EndpointKind, at: &Address) -> bool {
-    open.ends_at(at).is_ok_and(|ends| ends.iter().any(|end| end.kind == kind))
 }

@@ -11,7 +11,7 @@ use serde_json::json;
 use crate::own::Own;
 use crate::support::Scratch;
 
-const TAKER: &str = "
+pub(crate) const TAKER: &str = "
 typedef double level;
 component taker { version \"1\"; lang \"c\"; task main;
   port in level value;
@@ -19,7 +19,7 @@ component taker { version \"1\"; lang \"c\"; task main;
 };
 ";
 
-const CODELS: &str = "
+pub(crate) const CODELS: &str = "
 genom_event
 taker_take(const taker_value *value, const genom_context self)
 {

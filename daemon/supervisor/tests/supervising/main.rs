@@ -5,6 +5,7 @@
 
 mod example;
 mod feeding;
+mod finding;
 mod masquerades;
 mod moving;
 mod own;

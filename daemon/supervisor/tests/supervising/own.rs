@@ -1,12 +1,13 @@
-//! A middleware that the test provides: exchanges within the process, and notes the quality of
-//! service that ports are opened with.
+//! A middleware that the test provides: exchanges within the process, notes the quality of service
+//! that ports are opened with, and counts how often everything is listed.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
 use genom_local::Local;
 use genom_middleware::{
-    Capabilities, Discovery, Middleware, OpenError, Policy, PortSpec, Ports, Publisher, Quality,
-    Services, Subscription,
+    Address, Capabilities, DiscoverError, Discovery, Endpoint, Middleware, OpenError, Policy,
+    PortSpec, Ports, Publisher, Quality, Services, Subscription,
 };
 
 /// End, name of the port, and requested quality of service.
@@ -15,11 +16,29 @@ pub(crate) type Opened = (&'static str, String, Quality);
 pub(crate) struct Own {
     local: Local,
     opened: Mutex<Vec<Opened>>,
+    /// Whether it says that it reaches other processes.
+    far: bool,
+    listed: AtomicUsize,
 }
 
 impl Own {
     pub(crate) fn new() -> Arc<Self> {
-        Arc::new(Self { local: Local::new(), opened: Mutex::default() })
+        Self::reaching(false)
+    }
+
+    /// One that says that it reaches other processes.
+    pub(crate) fn far() -> Arc<Self> {
+        Self::reaching(true)
+    }
+
+    fn reaching(far: bool) -> Arc<Self> {
+        let (local, opened, listed) = (Local::new(), Mutex::default(), AtomicUsize::new(0));
+        Arc::new(Self { local, opened, far, listed })
+    }
+
+    /// How often everything was listed.
+    pub(crate) fn listed(&self) -> usize {
+        self.listed.load(Ordering::Relaxed)
     }
 
     /// The ends that were opened at an address.
@@ -55,7 +74,7 @@ impl Middleware for Own {
     }
 
     fn capabilities(&self) -> Capabilities {
-        self.local.capabilities()
+        Capabilities { cross_process: self.far, ..self.local.capabilities() }
     }
 
     fn services(&self) -> Option<&dyn Services> {
@@ -63,6 +82,17 @@ impl Middleware for Own {
     }
 
     fn discovery(&self) -> Option<&dyn Discovery> {
-        self.local.discovery()
+        Some(self)
+    }
+}
+
+impl Discovery for Own {
+    fn discover(&self) -> Result<Vec<Endpoint>, DiscoverError> {
+        self.listed.fetch_add(1, Ordering::Relaxed);
+        self.local.discover()
+    }
+
+    fn ends_at(&self, at: &Address) -> Result<Vec<Endpoint>, DiscoverError> {
+        self.local.ends_at(at)
     }
 }
