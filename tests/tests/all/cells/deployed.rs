@@ -106,7 +106,7 @@ fn state(daemon: &Daemon) -> Value {
 fn apply(daemon: &Daemon, more: &[&str], text: &str) -> genom_tests::Finished {
     let file = daemon.home().path().join("robot.toml");
     std::fs::write(&file, text).unwrap();
-    daemon.ctl(&[&["apply", "--timeout", "0.1", path(&file)], more].concat())
+    daemon.ctl(&[&["apply", path(&file)], more].concat())
 }
 
 /// A change in each of the three processes, a component in a new cell, and connections of readers in
