@@ -9,6 +9,8 @@ const LARGEST = 4 << 20;
 const SHOWN = 200000;
 /** Seconds that connections may wait for their other side. */
 const PATIENCE = "10";
+/** What was written, so that it is still there when somebody has looked at another page. */
+const draft = { text: "", file: "deployment.toml" };
 
 /** Has the browser save a text as a file. */
 function save(text, file, media) {
@@ -38,7 +40,8 @@ export async function deployment(page, context) {
 
   function form() {
     const text = el("textarea", { id: "text", rows: 14, spellcheck: "false", autocomplete: "off", wrap: "off" });
-    const file = el("input", { id: "file", type: "text", spellcheck: "false", autocomplete: "off", value: "deployment.toml" });
+    text.value = draft.text;
+    const file = el("input", { id: "file", type: "text", spellcheck: "false", autocomplete: "off", value: draft.file });
     const choose = el("input", { id: "choose", type: "file", accept: ".toml,text/plain" });
     const prune = el("input", { id: "prune", type: "checkbox" });
     const patience = el("input", { id: "patience", type: "number", min: 0, max: 86400, step: "any", value: PATIENCE });
@@ -53,6 +56,7 @@ export async function deployment(page, context) {
 
     /** A plan is of one text: when anything changes, it is made again. */
     function forget() {
+      Object.assign(draft, { text: text.value, file: file.value });
       planned = null;
       apply.disabled = true;
       put(outcome);

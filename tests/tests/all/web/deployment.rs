@@ -137,6 +137,34 @@ fn what_runs_is_saved_as_a_file_that_brings_it_back() {
 }
 
 #[test]
+fn what_is_written_is_still_there_after_a_look_at_another_page() {
+    let daemon = demo(Home::new(), &[]);
+    let browser = shown(&link(&daemon, &[]));
+    paste(&browser, "[[component]]\nlibrary = \"arm.so\"\n");
+    browser.click("a[href='/logs']");
+    browser.until("the page is left", "!document.getElementById('text')");
+    browser.click("a[href='/deployment']");
+    browser.until("the page is back", "document.getElementById('text')");
+    let written = browser.ask("return document.getElementById('text').value");
+    assert_eq!(written, "[[component]]\nlibrary = \"arm.so\"\n");
+}
+
+#[test]
+fn what_a_message_covers_can_be_scrolled_out_from_below_it() {
+    let daemon = demo(Home::new(), &[]);
+    let browser = shown(&link(&daemon, &[]));
+    browser
+        .ask("return import('/assets/dom.js').then(({ note }) => note('x'.repeat(400), 'error'))");
+    browser.until("the message shows", "document.querySelector('.note')");
+    browser.ask("window.scrollTo(0, document.documentElement.scrollHeight)");
+    browser.until(
+        "the last thing on the page is above the message",
+        "document.querySelector('main').lastElementChild.getBoundingClientRect().bottom
+            <= document.querySelector('.note').getBoundingClientRect().top",
+    );
+}
+
+#[test]
 fn whoever_may_not_deploy_is_not_offered_to_and_refused() {
     let daemon = demo(Home::new(), &[]);
     let rights = ["--rights", "read,call,wire"];
