@@ -1,5 +1,6 @@
 //! A fault in a cell: two others are beside it, one in the process of the daemon and one in a cell
-//! of its own, and a component shares the cell and reads a port of the daemon's.
+//! of its own, and a component shares the cell and reads a port of the daemon's. Another daemon,
+//! which has nothing to do with it, tells what tasks miss on this machine anyway.
 
 use std::time::{Duration, Instant};
 
@@ -15,22 +16,29 @@ const STRUCK: &str = "struck";
 const LOOKED_AT: Duration = Duration::from_secs(10);
 /// The components that must miss no period.
 const OTHERS: [&str; 2] = ["neighbour", "beside"];
+/// The component of a daemon in which nothing happens.
+const APART: &str = "apart";
 
 impl Trial {
     pub(super) fn in_a_cell(&mut self, fault: &Fault, times: usize) {
         let daemon = self.with_cells(fault);
+        let apart = with_task_of_1_khz(APART);
         let wired = |daemon: &Daemon| is_wired(daemon.home(), fault);
         until("all is wired", || wired(&daemon));
         // Memory that the first end needs once, such as the names for its backtrace.
         let warm = if fault.outcome.goes_on() { 0 } else { 1 };
         let times = if fault.outcome.goes_on() { 1 } else { times };
-        let (mut held, mut missed) = (None, [0; 2]);
+        let (mut held, mut missed) = (None, [0; 3]);
+        let misses = || {
+            let [own, beside] = OTHERS.map(|name| daemon.missed(name));
+            [own, beside, apart.missed(APART)]
+        };
         let mut back = Vec::new();
         let mut seen = Seen { code: None, said: String::new() };
         for round in 0..warm + times {
             if round == warm {
                 held = Some(Footprint::of(daemon.process().id()));
-                missed = OTHERS.map(|name| daemon.missed(name));
+                missed = misses();
                 back.clear();
             }
             let starts = cell(&daemon)["starts"].clone();
@@ -43,9 +51,13 @@ impl Trial {
                 back.push(begin.elapsed());
             }
         }
-        let after = OTHERS.map(|name| daemon.missed(name));
-        self.neighbours =
-            format!("{}; in another cell {}", after[0] - missed[0], after[1] - missed[1]);
+        let [own, beside, anyway] = misses();
+        self.neighbours = format!(
+            "{}; in another cell {}; apart {}",
+            own - missed[0],
+            beside - missed[1],
+            anyway - missed[2]
+        );
         self.memory = grown(
             &held.expect("taken in the first round that counts"),
             &Footprint::of(daemon.process().id()),
@@ -97,6 +109,13 @@ impl Trial {
         );
         Home::new().configured(&text).start(&[])
     }
+}
+
+/// A daemon that runs nothing but a task of 1 kHz.
+fn with_task_of_1_khz(name: &str) -> Daemon {
+    let demo = component("demo").library;
+    let text = format!("[[component]]\nlibrary = {demo:?}\nname = {name:?}\n{FAST}");
+    Home::new().configured(&text).start(&[])
 }
 
 /// The struck cell as the daemon tells it.
