@@ -63,27 +63,8 @@ fn whole(interface: &Interface, all: &mut BTreeMap<TypeName, Message>) -> Messag
         Interface::Service(service) => service_message(service, all),
         Interface::Action(action) => {
             let name = &action.name;
-            let id = || one("goal_id", TypeName::new("unique_identifier_msgs", "msg", "UUID"));
-            let stamp = one("stamp", TypeName::new("builtin_interfaces", "msg", "Time"));
-            let part = |suffix: &str, fields| Message { fields, ..Message::new(name.part(suffix)) };
-            let send = Service {
-                name: name.part("_SendGoal"),
-                request: part("_SendGoal_Request", vec![id(), one("goal", name.part("_Goal"))]),
-                response: part(
-                    "_SendGoal_Response",
-                    vec![Field::one("accepted", Base::Bool), stamp],
-                ),
-            };
-            let get = Service {
-                name: name.part("_GetResult"),
-                request: part("_GetResult_Request", vec![id()]),
-                response: part(
-                    "_GetResult_Response",
-                    vec![Field::one("status", Base::Int8), one("result", name.part("_Result"))],
-                ),
-            };
-            let feedback = one("feedback", name.part("_Feedback"));
-            let feedback = part("_FeedbackMessage", vec![id(), feedback]);
+            let (send, get) = (action.send_goal(), action.get_result());
+            let feedback = action.feedback_message();
             for message in [&action.goal, &action.result, &action.feedback, &feedback] {
                 all.insert(message.name.clone(), message.clone());
             }
@@ -231,6 +212,34 @@ mod tests {
             "RIHS01_20b625256f32d5dbc0d04fee44f43c41e51c70d3502f84b4a08e7a9c26a96312",
         ),
         (
+            "action_msgs/msg/GoalStatusArray",
+            "RIHS01_6c1684b00f177d37438febe6e709fc4e2b0d4248dca4854946f9ed8b30cda83e",
+        ),
+        (
+            "rcl_interfaces/srv/DescribeParameters",
+            "RIHS01_845b484d71eb0673dae682f2e3ba3c4851a65a3dcfb97bddd82c5b57e91e4cff",
+        ),
+        (
+            "rcl_interfaces/srv/GetParameters",
+            "RIHS01_bf9803d5c74cf989a5de3e0c2e99444599a627c7ff75f97b8c05b01003675cbc",
+        ),
+        (
+            "rcl_interfaces/srv/GetParameterTypes",
+            "RIHS01_da199c878688b3e530bdfe3ca8f74cb9fa0c303101e980a9e8f260e25e1c80ca",
+        ),
+        (
+            "rcl_interfaces/srv/ListParameters",
+            "RIHS01_3e6062bfbb27bfb8730d4cef2558221f51a11646d78e7bb30a1e83afac3aad9d",
+        ),
+        (
+            "rcl_interfaces/srv/SetParameters",
+            "RIHS01_56eed9a67e169f9cb6c1f987bc88f868c14a8fc9f743a263bc734c154015d7e0",
+        ),
+        (
+            "rcl_interfaces/srv/SetParametersAtomically",
+            "RIHS01_0e192ef259c07fc3c07a13191d27002222e65e00ccec653ca05e856f79285fcd",
+        ),
+        (
             "service_msgs/msg/ServiceEventInfo",
             "RIHS01_41bcbbe07a75c9b52bc96bfd5c24d7f0fc0a08c0cb7921b3373c5732345a6f45",
         ),
@@ -250,6 +259,33 @@ mod tests {
             let interface = &standard::all()[&TypeName::parse(name).unwrap()];
             let hash = hash(interface, &standard::message).unwrap();
             assert_eq!(hash, *published, "{name}");
+        }
+    }
+
+    #[test]
+    fn an_action_goes_as_services_and_topics_whose_hashes_are_those_that_ros_publishes() {
+        let name = TypeName::new("test_msgs", "action", "Fibonacci");
+        let Interface::Action(action) = &standard::all()[&name] else { panic!("an action") };
+        let find = |name: &TypeName| {
+            let parts = [&action.goal, &action.result, &action.feedback];
+            let part = parts.into_iter().find(|part| part.name == *name);
+            part.cloned().or_else(|| standard::message(name))
+        };
+        for (part, published) in [
+            (
+                Interface::Service(action.send_goal()),
+                "RIHS01_d807633803e38e164276573cd97e9fbd71e109c290bbf4cc312a0a1c9da7bbd9",
+            ),
+            (
+                Interface::Service(action.get_result()),
+                "RIHS01_5d30fdeb21d20e117aa5f36c7b4f0b6874f1a8cf7a9c038d58f1156c5737b209",
+            ),
+            (
+                Interface::Message(action.feedback_message()),
+                "RIHS01_37487bae8cea358366b97003c1ef1ca7ce7c08df36f9e8cca496624226aee64e",
+            ),
+        ] {
+            assert_eq!(hash(&part, &find).unwrap(), published, "{}", part.name());
         }
     }
 

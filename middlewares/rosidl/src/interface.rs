@@ -127,6 +127,53 @@ pub struct Action {
     pub feedback: Message,
 }
 
+/// What an action is made of where it is used: it is no kind of its own there.
+impl Action {
+    fn one(name: &str, ty: TypeName) -> Field {
+        Field::one(name, Base::Message(ty))
+    }
+
+    fn id() -> Field {
+        Self::one("goal_id", TypeName::new("unique_identifier_msgs", "msg", "UUID"))
+    }
+
+    fn part(&self, suffix: &str, fields: Vec<Field>) -> Message {
+        Message { fields, ..Message::new(self.name.part(suffix)) }
+    }
+
+    /// The service that takes goals.
+    #[must_use]
+    pub fn send_goal(&self) -> Service {
+        let goal = Self::one("goal", self.goal.name.clone());
+        let stamp = Self::one("stamp", TypeName::new("builtin_interfaces", "msg", "Time"));
+        let accepted = Field::one("accepted", Base::Bool);
+        Service {
+            name: self.name.part("_SendGoal"),
+            request: self.part("_SendGoal_Request", vec![Self::id(), goal]),
+            response: self.part("_SendGoal_Response", vec![accepted, stamp]),
+        }
+    }
+
+    /// The service that gives the results of goals.
+    #[must_use]
+    pub fn get_result(&self) -> Service {
+        let status = Field::one("status", Base::Int8);
+        let result = Self::one("result", self.result.name.clone());
+        Service {
+            name: self.name.part("_GetResult"),
+            request: self.part("_GetResult_Request", vec![Self::id()]),
+            response: self.part("_GetResult_Response", vec![status, result]),
+        }
+    }
+
+    /// The message on the topic of feedback.
+    #[must_use]
+    pub fn feedback_message(&self) -> Message {
+        let feedback = Self::one("feedback", self.feedback.name.clone());
+        self.part("_FeedbackMessage", vec![Self::id(), feedback])
+    }
+}
+
 /// A message, a service or an action.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Interface {

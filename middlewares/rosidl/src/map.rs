@@ -139,13 +139,24 @@ impl<'a> Mapper<'a> {
     ) -> Result<(), MapError> {
         let goal = self.fields(&name.part("_Goal"), input)?;
         let result = self.response(&name.part("_Result"), output)?;
-        let mut feedback = Message::new(name.part("_Feedback"));
-        feedback.fields.push(Field::one("genom_state", Base::String(None)));
+        let feedback = Self::feedback(name);
         let action = Action { name: name.clone(), goal, result, feedback };
         self.add(name, Some(input), Interface::Action(action), &Place::Nameless)
     }
 
-    fn response(&mut self, name: &TypeName, output: TypeId) -> Result<Message, MapError> {
+    /// The feedback of an action of this name: the state of the activity.
+    #[must_use]
+    pub fn feedback(name: &TypeName) -> Message {
+        let mut feedback = Message::new(name.part("_Feedback"));
+        feedback.fields.push(Field::one("genom_state", Base::String(None)));
+        feedback
+    }
+
+    /// A response or result of this name: the exception, if any, and the members of `output`.
+    ///
+    /// # Errors
+    /// A parameter has no equivalent in ROS.
+    pub fn response(&mut self, name: &TypeName, output: TypeId) -> Result<Message, MapError> {
         let of = self.table.resolved(output).name().cloned();
         let mut draft = Draft::new(name.clone(), of.as_ref());
         for text in ["genom_exception", "genom_detail"] {
