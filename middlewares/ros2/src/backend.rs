@@ -3,20 +3,21 @@
 use std::sync::Arc;
 
 use genom_middleware::{
-    Address, Backend, Capabilities, Client, DiscoverError, Discovery, Endpoint, Middleware,
-    NoForeignName, Obstacle, OpenError, Refused, Served, ServiceHandler, ServiceType, Services,
+    Address, Backend, Capabilities, Client, DiscoverError, Discovery, Endpoint, EndpointKind,
+    Middleware, NoForeignName, Obstacle, OpenError, Policy, PortSpec, Ports, Publisher, Refused,
+    Served, ServiceHandler, ServiceType, Services, Subscription,
 };
 
-use crate::core::Core;
+use crate::dds::Dds;
 use crate::error::{BACKEND, ParticipantError};
-use crate::obstacles::obstacles;
 use crate::options::Options;
+use crate::ros::Ros;
 use crate::services::ServiceEnds;
 
-/// One DDS participant, with one ROS node per component instance.
+/// One participant of a domain, with one ROS node per component instance.
 #[derive(Clone)]
 pub struct Ros2 {
-    pub(crate) core: Arc<Core>,
+    ros: Arc<Ros>,
     services: Arc<ServiceEnds>,
 }
 
@@ -24,11 +25,12 @@ impl Ros2 {
     /// Joins a domain.
     ///
     /// # Errors
-    /// An option is wrong, or DDS fails.
+    /// An option is wrong, or the library below fails.
     pub fn open(options: &Options) -> Result<Arc<Self>, ParticipantError> {
-        let core = Core::open(options)?;
-        let services = ServiceEnds::new(Arc::clone(&core));
-        Ok(Arc::new(Self { core, services }))
+        options.check()?;
+        let ros = Ros::new(Dds::open(options)?, options);
+        let services = ServiceEnds::new(Arc::clone(&ros));
+        Ok(Arc::new(Self { ros, services }))
     }
 
     /// Blocks the out port that was opened first from sending until the result is dropped, so that
@@ -36,7 +38,7 @@ impl Ros2 {
     #[doc(hidden)]
     #[must_use]
     pub fn stall(&self) -> impl Send + use<> {
-        self.core.orders().stall()
+        self.ros.rmw.stall()
     }
 }
 
@@ -82,16 +84,31 @@ impl Middleware for Ros2 {
     }
 
     fn masquerade(&self, ours: &str, foreign: &str) -> Result<(), NoForeignName> {
-        self.core.masquerades.add(ours, foreign)
+        self.ros.masquerades.add(ours, foreign)
     }
 
     fn unmask(&self, ours: &str) {
-        self.core.masquerades.remove(ours);
+        self.ros.masquerades.remove(ours);
     }
 
     fn refused(&self) -> Vec<Refused> {
-        let refused = self.core.tally.list().into_iter();
-        refused.map(|(why, count, peer)| Refused { why: why.text().into(), count, peer }).collect()
+        self.ros.rmw.refused()
+    }
+}
+
+impl Ports for Ros2 {
+    fn publisher(&self, port: &PortSpec<'_>) -> Result<Box<dyn Publisher>, OpenError> {
+        let wanted = self.ros.port(EndpointKind::Publisher, port.address, port.ty)?;
+        self.ros.rmw.publisher(port, wanted)
+    }
+
+    fn subscription(
+        &self,
+        port: &PortSpec<'_>,
+        policy: Policy,
+    ) -> Result<Box<dyn Subscription>, OpenError> {
+        let wanted = self.ros.port(EndpointKind::Subscription, port.address, port.ty)?;
+        self.ros.rmw.subscription(port, policy, wanted)
     }
 }
 
@@ -112,15 +129,14 @@ impl Services for Ros2 {
 
 impl Discovery for Ros2 {
     fn discover(&self) -> Result<Vec<Endpoint>, DiscoverError> {
-        Ok(self.core.graph.list())
+        Ok(self.ros.rmw.list())
     }
 
     fn spelled(&self, at: &Address) -> String {
-        self.core.full(at)
+        self.ros.full(at)
     }
 
     fn obstacles(&self, at: &Address) -> Vec<Obstacle> {
-        let core = &self.core;
-        obstacles(&core.graph, &core.feeds, at, &format!("rt/{}", core.path(at)))
+        self.ros.rmw.obstacles(at, &self.ros.path(at))
     }
 }

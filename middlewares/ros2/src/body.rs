@@ -5,7 +5,7 @@ use genom_rosidl::{Failure, Manner};
 use genom_types::{CdrError, DataType, Kind, Record};
 use serde_json::Value;
 
-use crate::wire::HEADER;
+use crate::rmw::HEADER;
 
 /// Id of a goal, chosen by the client that sends it.
 pub(crate) type GoalId = [u8; 16];

@@ -9,10 +9,7 @@ use genom_middleware::{Address, CallError, Client, Outcome, Replies, Running, Se
 use genom_types::Record;
 
 use crate::body::{self, Fields, Style};
-use crate::channel::{Answer, ClientEnd};
-use crate::core::Core;
-use crate::graph::{Service, Wanted};
-use crate::post::{Target, prefix};
+use crate::rmw::{Answer, ClientEnd, Rmw, Service, Target, Wanted};
 use crate::runs::{ActionEnd, Run};
 use crate::within::{Own, Within};
 
@@ -22,7 +19,7 @@ pub(crate) const ACQUAINTANCE: Duration = Duration::from_secs(2);
 /// How a service is called.
 #[derive(Clone)]
 pub(crate) enum Way {
-    Service(Arc<ClientEnd>),
+    Service(Arc<dyn ClientEnd>),
     Action(Arc<ActionEnd>),
 }
 
@@ -36,7 +33,7 @@ pub(crate) struct Ros2Client {
     /// Until then, a call waits for a service that is not known yet.
     pub(crate) acquainted: Instant,
     pub(crate) own: Arc<Own>,
-    pub(crate) core: Arc<Core>,
+    pub(crate) rmw: Arc<dyn Rmw>,
 }
 
 impl Ros2Client {
@@ -75,18 +72,18 @@ impl Ros2Client {
         replies: Box<dyn Replies>,
         end: Instant,
     ) -> Result<Box<dyn Running>, CallError> {
-        let reader = match self.core.graph.service(&self.wanted, end) {
-            Service::There(reader) => reader,
+        let server = match self.rmw.service(&self.wanted, end) {
+            Service::There(server) => server,
             Service::Nobody => return Err(CallError::Nobody { address: self.at.clone() }),
             Service::Differs(theirs) => return Err(self.mismatch(theirs)),
         };
         if !input.ty().same_as(&self.ty.input) {
             return Err(self.mismatch(types_of_service(&self.ty)));
         }
-        let Some(reader) = reader else {
+        let Some(server) = server else {
             // A service of this daemon is called directly: DDS connects a participant to itself
             // only over multicast.
-            let handler = self.own.get(&self.wanted.topic);
+            let handler = self.own.get(&self.wanted.of.name);
             let handler = handler.ok_or(CallError::Nobody { address: self.at.clone() })?;
             return Ok(Within::request(handler, input, replies));
         };
@@ -104,14 +101,14 @@ impl Ros2Client {
                         Err(error) => Outcome::Lost(error),
                     });
                 };
-                end.call(Target::Reader(reader), body, Answer::new(then));
+                end.call(Target::End(server), body, Answer::new(then));
                 Ok(Box::new(Nothing))
             }
             Way::Action(action) => {
-                let run = Run::new((&self.at, &self.ty, self.style), action, prefix(&reader));
+                let run = Run::new((&self.at, &self.ty, self.style), action, server);
                 let mut body = run.id().to_vec();
                 body::put_input(&mut body, input).map_err(undecodable)?;
-                Ok(run.begin(replies, Target::Reader(reader), body))
+                Ok(run.begin(replies, Target::End(server), body))
             }
         }
     }

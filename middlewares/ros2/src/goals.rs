@@ -7,17 +7,11 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use genom_middleware::{
     ActivityId, CallError, Outcome, Replies, Served, ServiceHandler, ServiceType,
 };
-use rustdds::bytes::Bytes;
 
 use crate::body::{self, CANCELED, Fields, GoalId, INTERRUPTED, SUCCEEDED, Style};
-use crate::channel::{RequestId, ServerEnd, close};
 use crate::complaints::Complaints;
-use crate::core::Core;
-use crate::graph::Claim;
 use crate::lock::lock;
-use crate::post::{Post, Prefix, Target};
-use crate::sender::Orders;
-use crate::wire::{Payload, Writer};
+use crate::rmw::{Claim, Gid, Reply, Rmw, ServerEnd, TopicWriter};
 
 /// Number of finished goals whose results are kept for late requests.
 const REMEMBERED: usize = 64;
@@ -28,22 +22,29 @@ const EXECUTING: u8 = 2;
 const CANCELING: u8 = 3;
 const ABORTED: u8 = 6;
 
-/// The DDS ends of an action.
+/// The services of an action.
 pub(crate) struct Ends {
-    pub(crate) send_goal: ServerEnd,
-    pub(crate) get_result: ServerEnd,
-    pub(crate) cancel_goal: ServerEnd,
-    pub(crate) feedback: Arc<Post>,
-    pub(crate) status: Arc<Mutex<Writer>>,
+    pub(crate) send_goal: Box<dyn ServerEnd>,
+    pub(crate) get_result: Box<dyn ServerEnd>,
+    pub(crate) cancel_goal: Box<dyn ServerEnd>,
 }
+
+impl Ends {
+    /// The first identifies the action.
+    pub(crate) fn all(&self) -> [&dyn ServerEnd; 3] {
+        [&*self.send_goal, &*self.get_result, &*self.cancel_goal]
+    }
+}
+
+/// Feedback and status.
+type Topics = (Arc<dyn TopicWriter>, Arc<dyn TopicWriter>);
 
 /// An activity.
 pub(crate) struct ActionServer {
     pub(crate) ty: ServiceType,
     pub(crate) style: Style,
     pub(crate) handler: Arc<dyn ServiceHandler>,
-    pub(crate) orders: Orders,
-    pub(crate) ends: OnceLock<Ends>,
+    pub(crate) topics: OnceLock<Topics>,
     goals: Mutex<Goals>,
     bad: Complaints,
 }
@@ -55,16 +56,16 @@ struct Goals {
 }
 
 struct Goal {
-    asker: Prefix,
+    asker: Gid,
     /// The goal request, until it is answered.
-    sent: Option<RequestId>,
+    sent: Option<Box<dyn Reply>>,
     stamp: (i32, u32),
     status: u8,
     run: Option<ActivityId>,
     /// Status and outcome, once the goal has ended.
     result: Option<Vec<u8>>,
     /// Requests for the result that are not answered yet.
-    waiting: Vec<RequestId>,
+    waiting: Vec<Box<dyn Reply>>,
 }
 
 fn now() -> (i32, u32) {
@@ -80,19 +81,25 @@ fn put_info(out: &mut Vec<u8>, id: &GoalId, stamp: (i32, u32)) {
     out.extend_from_slice(&stamp.1.to_le_bytes());
 }
 
+fn answer_goal(by: Box<dyn Reply>, accepted: bool, stamp: (i32, u32)) {
+    let mut reply = vec![u8::from(accepted), 0, 0, 0];
+    reply.extend_from_slice(&stamp.0.to_le_bytes());
+    reply.extend_from_slice(&stamp.1.to_le_bytes());
+    by.send(reply);
+}
+
 impl ActionServer {
     pub(crate) fn new(
         ty: ServiceType,
         style: Style,
         handler: Arc<dyn ServiceHandler>,
-        orders: Orders,
     ) -> Arc<Self> {
-        let (ends, goals) = (OnceLock::new(), Mutex::default());
-        Arc::new(Self { ty, style, handler, orders, ends, goals, bad: Complaints::default() })
+        let (topics, goals) = (OnceLock::new(), Mutex::default());
+        Arc::new(Self { ty, style, handler, topics, goals, bad: Complaints::default() })
     }
 
     /// Handles a goal request.
-    pub(crate) fn send_goal(self: &Arc<Self>, by: RequestId, asker: Prefix, message: &[u8]) {
+    pub(crate) fn send_goal(self: &Arc<Self>, by: Box<dyn Reply>, message: &[u8]) {
         let Some((fields, id)) = Fields::of(message).and_then(|mut fields| {
             let id = fields.bytes::<16>()?;
             Some((fields, id))
@@ -112,13 +119,13 @@ impl ActionServer {
                 if let Some(goals) = self.bad.add() {
                     tracing::warn!(why, goals, "refused: undecodable, or their id is in use");
                 }
-                return self.answer_goal(by, false, now());
+                return answer_goal(by, false, now());
             }
         };
         goals.by_id.insert(
             id,
             Goal {
-                asker,
+                asker: by.asker(),
                 sent: Some(by),
                 stamp: now(),
                 status: ACCEPTED,
@@ -133,17 +140,8 @@ impl ActionServer {
         self.handler.request(input, Box::new(replies));
     }
 
-    fn answer_goal(&self, by: RequestId, accepted: bool, stamp: (i32, u32)) {
-        let mut reply = vec![u8::from(accepted), 0, 0, 0];
-        reply.extend_from_slice(&stamp.0.to_le_bytes());
-        reply.extend_from_slice(&stamp.1.to_le_bytes());
-        if let Some(ends) = self.ends.get() {
-            ends.send_goal.reply(by, reply);
-        }
-    }
-
     /// Handles a request for the result of a goal.
-    pub(crate) fn get_result(&self, by: RequestId, message: &[u8]) {
+    pub(crate) fn get_result(&self, by: Box<dyn Reply>, message: &[u8]) {
         let Some(id) = Fields::of(message).and_then(|mut fields| fields.bytes::<16>()) else {
             return;
         };
@@ -159,14 +157,12 @@ impl ActionServer {
             }
         };
         drop(goals);
-        if let Some(ends) = self.ends.get() {
-            ends.get_result.reply(by, result);
-        }
+        by.send(result);
     }
 
     /// Handles a request to cancel one goal, all goals, or all up to a time
     /// (`action_msgs/srv/CancelGoal`).
-    pub(crate) fn cancel_goal(&self, by: RequestId, message: &[u8]) {
+    pub(crate) fn cancel_goal(&self, by: Box<dyn Reply>, message: &[u8]) {
         let wanted = Fields::of(message).and_then(|mut fields| {
             let id = fields.bytes::<16>()?;
             Some((id, (fields.word()?.cast_signed(), fields.word()?)))
@@ -197,9 +193,7 @@ impl ActionServer {
         let mut reply = vec![code, 0, 0, 0];
         reply.extend_from_slice(&u32::try_from(canceling.len()).unwrap_or(0).to_le_bytes());
         canceling.iter().for_each(|(id, stamp, _)| put_info(&mut reply, id, *stamp));
-        if let Some(ends) = self.ends.get() {
-            ends.cancel_goal.reply(by, reply);
-        }
+        by.send(reply);
         self.tell_status();
     }
 
@@ -212,13 +206,9 @@ impl ActionServer {
             message.push(goal.status);
         }
         drop(goals);
-        let Some(ends) = self.ends.get() else { return };
-        let status = Arc::clone(&ends.status);
-        self.orders.submit(move || {
-            if lock(&status).write(Payload(Bytes::from(message)), None).is_err() {
-                tracing::debug!("DDS refused the status of goals");
-            }
-        });
+        if let Some((_, status)) = self.topics.get() {
+            status.send(None, message);
+        }
     }
 
     fn accepted(&self, id: &GoalId, run: Option<ActivityId>) {
@@ -230,7 +220,7 @@ impl ActionServer {
         let cancelled = run.filter(|_| goal.status == CANCELING);
         drop(goals);
         if let Some(by) = sent {
-            self.answer_goal(by, true, stamp);
+            answer_goal(by, true, stamp);
             self.tell_status();
         }
         cancelled.into_iter().for_each(|run| self.handler.cancel(run));
@@ -251,18 +241,11 @@ impl ActionServer {
             // The feedback of a foreign type cannot express the state.
             return;
         }
-        let Some(ends) = self.ends.get() else { return };
         let mut message = id.to_vec();
         body::put_string(&mut message, state);
-        let post = Arc::clone(&ends.feedback);
-        self.orders.submit(move || {
-            let letter = move |writer: &Writer| {
-                if writer.write(Payload(Bytes::from(message)), None).is_err() {
-                    tracing::warn!("DDS refused the state of an activity");
-                }
-            };
-            post.send(Target::Participant(asker), Box::new(letter));
-        });
+        if let Some((feedback, _)) = self.topics.get() {
+            feedback.send(Some(asker), message);
+        }
     }
 
     fn finish(&self, id: &GoalId, outcome: &Outcome) {
@@ -294,9 +277,7 @@ impl ActionServer {
             goals.by_id.remove(&oldest);
         }
         drop(goals);
-        if let Some(ends) = self.ends.get() {
-            waiting.into_iter().for_each(|by| ends.get_result.reply(by, result.clone()));
-        }
+        waiting.into_iter().for_each(|by| by.send(result.clone()));
         self.tell_status();
     }
 
@@ -350,8 +331,9 @@ impl Drop for ToGoal {
 /// Serves the activity until it is dropped.
 pub(crate) struct Ros2Action {
     pub(crate) server: Arc<ActionServer>,
-    pub(crate) claim: Option<Claim>,
-    pub(crate) core: Arc<Core>,
+    pub(crate) ends: Ends,
+    pub(crate) claim: Option<Box<dyn Claim>>,
+    pub(crate) rmw: Arc<dyn Rmw>,
 }
 
 impl Served for Ros2Action {}
@@ -359,12 +341,14 @@ impl Served for Ros2Action {}
 impl Drop for Ros2Action {
     fn drop(&mut self) {
         // Withdraw the service before answering the last requests.
+        self.ends.all().iter().for_each(|end| end.withdraw());
         self.claim = None;
-        self.core.orders().announce_now();
+        self.rmw.settle();
         self.server.leave();
-        let posts = self.server.ends.get().map(|ends| {
-            vec![ends.get_result.post(), ends.send_goal.post(), Arc::clone(&ends.feedback)]
-        });
-        close(self.core.orders(), posts.unwrap_or_default());
+        self.ends.get_result.flush();
+        self.ends.send_goal.flush();
+        if let Some((feedback, _)) = self.server.topics.get() {
+            feedback.flush();
+        }
     }
 }

@@ -1,5 +1,8 @@
 //! Ports, services and activities as ROS 2 topics, services and actions.
 //!
+//! `rmw` is the interface between what is ROS (names, types, hashes, actions, parameters) and `dds`,
+//! which carries it.
+//!
 //! **Names.** Port `position` of instance `demo` is the topic `/demo/position` (DDS:
 //! `rt/demo/position`), below a namespace if one is configured; an instance is a node. Characters
 //! that ROS does not allow become `_xHH`. The type `::demo::state` is `demo/msg/State` (DDS:
@@ -43,43 +46,25 @@
 
 mod backend;
 mod body;
-mod channel;
 mod client;
 mod complaints;
-mod core;
 mod dds;
 mod domain;
 mod error;
-mod farewell;
-mod feed;
-mod feeds;
 mod goals;
-mod graph;
-mod guard;
-mod hook;
+mod hashes;
 mod inbox;
-mod info;
 mod lock;
 mod masquerades;
-mod meetings;
 mod names;
-mod news;
-mod numbering;
-mod obstacles;
 mod options;
 mod parameters;
-mod ports;
-mod post;
-mod process;
-mod quality;
-mod receiver;
-mod reunions;
+mod port;
+mod rmw;
+mod ros;
 mod runs;
-mod sender;
 mod server;
 mod services;
-mod told;
-mod wire;
 mod within;
 
 pub use backend::Ros2;

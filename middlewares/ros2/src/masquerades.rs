@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{PoisonError, RwLock};
 
 use genom_middleware::{NoForeignName, ServiceKind, ServiceType};
-use genom_rosidl::{Interface, Library, Manner, Mapper, MasqueradeError, Ours, TypeName};
+use genom_rosidl::{Library, Manner, MasqueradeError, Ours, TypeName};
 use genom_types::DataType;
 
 use crate::names;
@@ -16,7 +16,7 @@ pub(crate) struct Masquerades {
     all: RwLock<BTreeMap<String, TypeName>>,
     /// Those from the options, which cannot be removed.
     configured: BTreeSet<String>,
-    library: Library,
+    pub(crate) library: Library,
 }
 
 impl Masquerades {
@@ -31,7 +31,7 @@ impl Masquerades {
         }
     }
 
-    fn all(&self) -> BTreeMap<String, TypeName> {
+    pub(crate) fn all(&self) -> BTreeMap<String, TypeName> {
         self.all.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
@@ -64,21 +64,6 @@ impl Masquerades {
         let ours = Ours { masquerades: &masquerades, library: &self.library };
         ours.message((table, id), foreign)?;
         Ok(foreign.clone())
-    }
-
-    /// The hash by which ROS nodes identify the message of a port; `None` if a message within it is
-    /// unknown.
-    pub(crate) fn hash(&self, ty: &DataType) -> Option<String> {
-        let mut mapper = Mapper::new(ty.table(), self.all());
-        let name = mapper.port(ty.id()).ok()?;
-        let all = mapper.finish();
-        let of_name = |name: &TypeName| all.iter().find(|one| one.name() == name).cloned();
-        let whole = of_name(&name).or_else(|| self.library.find(&name).ok())?;
-        let find = |name: &TypeName| match of_name(name) {
-            Some(Interface::Message(message)) => Some(message),
-            _ => self.library.message(name).ok(),
-        };
-        genom_rosidl::hash(&whole, &find).ok()
     }
 
     /// The foreign type of a service, if it masquerades.

@@ -29,6 +29,11 @@ pub(crate) fn path(namespace: &str, at: &Address) -> String {
     out.join("/")
 }
 
+/// The node of the in ports of this process.
+pub(crate) fn own_node() -> String {
+    format!("genomd_{}", std::process::id())
+}
+
 /// A token of a ROS name. Characters that ROS does not allow become `_xHH`, and so does text that
 /// could be mistaken for such an escape.
 pub(crate) fn token(text: &str) -> String {

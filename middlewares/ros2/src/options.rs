@@ -6,11 +6,12 @@ use std::net::IpAddr;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use genom_middleware::Quality;
 use genom_rosidl::TypeName;
 use serde::de::{Error as _, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use crate::guard::Limits;
+use crate::dds::Limits;
 use crate::names;
 
 /// Greatest domain whose UDP ports are below 65536 (RTPS 9.6.1.1).
@@ -91,6 +92,17 @@ pub struct Qos {
 impl Default for Qos {
     fn default() -> Self {
         Self { reliable: true, depth: 16, transient_local: false }
+    }
+}
+
+impl Qos {
+    /// The quality that an out port offers.
+    pub(crate) fn offered(&self, of_port: &Quality) -> Self {
+        Self {
+            reliable: of_port.reliable.unwrap_or(self.reliable),
+            depth: of_port.depth.unwrap_or(self.depth),
+            transient_local: of_port.transient_local.unwrap_or(self.transient_local),
+        }
     }
 }
 

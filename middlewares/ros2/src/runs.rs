@@ -5,15 +5,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, Weak};
 
 use genom_middleware::{ActivityId, Address, CallError, Outcome, Replies, Running, ServiceType};
-use rustdds::Timestamp;
-use rustdds::mio1::Token;
 
 use crate::body::{Fields, GoalId, Style};
-use crate::channel::{Answer, ClientEnd};
 use crate::error::BACKEND;
 use crate::lock::lock;
-use crate::post::{Prefix, Target};
-use crate::receiver::{Inlet, Sample, Sink};
+use crate::rmw::{Answer, ClientEnd, Gid, Target};
 
 /// Feedback that arrives before its goal was accepted; more than this is dropped.
 const EARLY: usize = 64;
@@ -23,20 +19,14 @@ static GOALS: AtomicU64 = AtomicU64::new(0);
 
 /// The calling end of an action, shared by all callers of it in this daemon.
 pub(crate) struct ActionEnd {
-    pub(crate) send_goal: ClientEnd,
-    pub(crate) get_result: ClientEnd,
-    pub(crate) cancel_goal: ClientEnd,
+    #[allow(dead_code, reason = "to be there is what it does")]
+    pub(crate) feedback: Box<dyn Send + Sync>,
+    pub(crate) send_goal: Box<dyn ClientEnd>,
+    pub(crate) get_result: Box<dyn ClientEnd>,
+    pub(crate) cancel_goal: Box<dyn ClientEnd>,
     pub(crate) runs: Arc<Runs>,
-    pub(crate) feedback: Token,
-    pub(crate) inlet: Arc<Inlet>,
     /// Distinguishes the goals of this daemon from others.
     pub(crate) mark: [u8; 8],
-}
-
-impl Drop for ActionEnd {
-    fn drop(&mut self) {
-        self.inlet.remove(self.feedback);
-    }
 }
 
 /// Goals in progress, by id.
@@ -64,20 +54,12 @@ struct RunState {
     early: Vec<String>,
 }
 
-/// Receives the feedback of an action.
-pub(crate) struct Feedback {
-    pub(crate) runs: Arc<Runs>,
-    pub(crate) since: Timestamp,
-}
-
-impl Sink for Feedback {
-    fn arrive(&mut self, sample: Sample<'_>) {
-        if sample.received < self.since {
-            return;
-        }
-        let Some(mut fields) = Fields::of(sample.message) else { return };
+impl Runs {
+    /// Receives feedback of the action.
+    pub(crate) fn feedback(&self, message: &[u8]) {
+        let Some(mut fields) = Fields::of(message) else { return };
         let Some(id) = fields.bytes::<16>() else { return };
-        let run = lock(&self.runs.0).get(&id).and_then(Weak::upgrade);
+        let run = lock(&self.0).get(&id).and_then(Weak::upgrade);
         // The feedback of a foreign type may be something other than a state.
         let run = run.filter(|run| !matches!(run.style, Style::Foreign(m) if !m.states));
         if let Some(run) = run
@@ -89,11 +71,11 @@ impl Sink for Feedback {
 }
 
 impl Run {
-    /// A goal of this activity for the action of that participant.
+    /// A goal of this activity for the action of that server.
     pub(crate) fn new(
         (at, ty, style): (&Address, &ServiceType, Style),
         action: &Arc<ActionEnd>,
-        server: Prefix,
+        server: Gid,
     ) -> Arc<Self> {
         let number = GOALS.fetch_add(1, Ordering::Relaxed) + 1;
         let mut id = GoalId::default();
@@ -104,7 +86,7 @@ impl Run {
             ty: ty.clone(),
             style,
             id,
-            server: Target::Participant(server),
+            server: Target::Beside(server),
             action: Arc::downgrade(action),
             state: Mutex::default(),
         })

@@ -1,25 +1,22 @@
 //! Attributes and functions, each served as a ROS service.
 
-use std::sync::{Arc, Mutex, OnceLock, Weak};
+use std::sync::{Arc, Mutex, Weak};
 
 use genom_middleware::{
     ActivityId, CallError, Outcome, Replies, Served, ServiceHandler, ServiceType,
 };
 
 use crate::body::{self, Fields, Style};
-use crate::channel::{RequestId, ServerEnd, close};
 use crate::complaints::Complaints;
-use crate::core::Core;
-use crate::graph::Claim;
 use crate::lock::lock;
 use crate::parameters::Part;
+use crate::rmw::{Claim, Reply, Rmw, ServerEnd};
 
 /// A served attribute or function.
 pub(crate) struct Server {
     pub(crate) ty: ServiceType,
     pub(crate) style: Style,
     pub(crate) handler: Arc<dyn ServiceHandler>,
-    pub(crate) end: OnceLock<ServerEnd>,
     /// Requests in progress; their callers are notified when the service is withdrawn.
     pending: Mutex<Vec<Weak<Request>>>,
     bad: Complaints,
@@ -28,7 +25,7 @@ pub(crate) struct Server {
 struct Request {
     server: Weak<Server>,
     /// Taken with the reply.
-    id: Mutex<Option<RequestId>>,
+    reply: Mutex<Option<Box<dyn Reply>>>,
 }
 
 impl Server {
@@ -37,12 +34,13 @@ impl Server {
         style: Style,
         handler: Arc<dyn ServiceHandler>,
     ) -> Arc<Self> {
-        let (end, pending) = (OnceLock::new(), Mutex::default());
-        Arc::new(Self { ty, style, handler, end, pending, bad: Complaints::default() })
+        let pending = Mutex::default();
+        Arc::new(Self { ty, style, handler, pending, bad: Complaints::default() })
     }
 
-    pub(crate) fn request(self: &Arc<Self>, id: RequestId, message: &[u8]) {
-        let request = Arc::new(Request { server: Arc::downgrade(self), id: Mutex::new(Some(id)) });
+    pub(crate) fn request(self: &Arc<Self>, reply: Box<dyn Reply>, message: &[u8]) {
+        let reply = Mutex::new(Some(reply));
+        let request = Arc::new(Request { server: Arc::downgrade(self), reply });
         let input = Fields::of(message).map(|fields| fields.record(&self.ty.input));
         match input {
             Some(Ok(input)) => {
@@ -71,14 +69,11 @@ impl Server {
 
 impl Request {
     fn end(&self, outcome: &Outcome) {
-        let id = lock(&self.id).take();
-        let server = self.server.upgrade();
-        if let (Some(id), Some(server)) = (id, server)
-            && let Some(end) = server.end.get()
-        {
-            let mut reply = Vec::new();
-            if body::put_outcome(&mut reply, &server.ty.output, outcome, server.style) {
-                end.reply(id, reply);
+        let reply = lock(&self.reply).take();
+        if let (Some(reply), Some(server)) = (reply, self.server.upgrade()) {
+            let mut body = Vec::new();
+            if body::put_outcome(&mut body, &server.ty.output, outcome, server.style) {
+                reply.send(body);
             } else {
                 // A ROS service cannot report failure: without a reply, its client waits until its
                 // timeout.
@@ -102,7 +97,7 @@ impl Replies for ToCaller {
 }
 
 impl Drop for ToCaller {
-    // Has no effect after `finish`, which takes the id.
+    // Has no effect after `finish`, which takes the reply.
     fn drop(&mut self) {
         self.0.end(&Outcome::Lost(CallError::Gone));
     }
@@ -111,10 +106,11 @@ impl Drop for ToCaller {
 /// Serves until it is dropped.
 pub(crate) struct Ros2Served {
     pub(crate) server: Arc<Server>,
-    pub(crate) claim: Option<Claim>,
+    pub(crate) end: Box<dyn ServerEnd>,
+    pub(crate) claim: Option<Box<dyn Claim>>,
     /// Its contribution to the node's parameters.
     pub(crate) parameter: Option<Part>,
-    pub(crate) core: Arc<Core>,
+    pub(crate) rmw: Arc<dyn Rmw>,
 }
 
 impl Served for Ros2Served {}
@@ -123,10 +119,10 @@ impl Drop for Ros2Served {
     fn drop(&mut self) {
         // Withdraw the service before answering the last requests.
         self.parameter = None;
+        self.end.withdraw();
         self.claim = None;
-        self.core.orders().announce_now();
+        self.rmw.settle();
         self.server.leave();
-        let posts = self.server.end.get().map(ServerEnd::post);
-        close(self.core.orders(), posts.into_iter().collect());
+        self.end.flush();
     }
 }

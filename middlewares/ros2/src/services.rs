@@ -9,31 +9,24 @@ use genom_middleware::{
     Address, Client, EndpointKind, OpenError, Served, ServiceHandler, ServiceKind, ServiceType,
 };
 use genom_rosidl::TypeName;
-use rustdds::dds::CreateResult;
-use rustdds::{GUID, RTPSEntity, Timestamp};
 
 use crate::body::Style;
-use crate::channel::{ClientEnd, Names, ServerEnd};
 use crate::client::{ACQUAINTANCE, Ros2Client, Way};
-use crate::core::Core;
 use crate::goals::{ActionServer, Ends, Ros2Action};
-use crate::graph::{Claim, Made, Service, Wanted};
+use crate::hashes::Hashes;
 use crate::names;
 use crate::parameters::Parameters;
-use crate::post::Post;
-use crate::runs::{ActionEnd, Feedback, Runs};
+use crate::rmw::{Claim, ClientEnd, EndError, Entities, Named, Reply, Service, Wanted};
+use crate::ros::{Ros, failed};
+use crate::runs::{ActionEnd, Runs};
 use crate::server::{Ros2Served, Server};
-use crate::wire;
 use crate::within::Own;
 
-/// Greatest number of feedback messages that wait for the receiving thread.
-const CACHED: i32 = 1024;
-
-/// What this daemon serves and calls, by request topic.
+/// What this daemon serves and calls, by the name of the service.
 pub(crate) struct ServiceEnds {
-    core: Arc<Core>,
+    ros: Arc<Ros>,
     own: Arc<Own>,
-    clients: Mutex<HashMap<String, Weak<ClientEnd>>>,
+    clients: Mutex<HashMap<String, Weak<dyn ClientEnd>>>,
     actions: Mutex<HashMap<String, Weak<ActionEnd>>>,
     parameters: Arc<Parameters>,
 }
@@ -43,40 +36,52 @@ struct Plan {
     wanted: Wanted,
     path: String,
     ty: TypeName,
+    hashes: Hashes,
     style: Style,
 }
 
 impl Plan {
-    fn names(&self, suffix: &str, part: &str) -> Names {
-        Names {
-            path: format!("{}{suffix}", self.path),
-            request: self.ty.to_dds(&format!("{part}_Request")),
-            reply: self.ty.to_dds(&format!("{part}_Response")),
+    fn part(&self, suffix: &str, part: &str, hash: Option<&String>) -> Named {
+        Named {
+            name: format!("{}/_action/{suffix}", self.path),
+            ty: self.ty.part(part),
+            hash: hash.cloned(),
         }
     }
 
-    fn cancel_goal(&self) -> Names {
-        let ty = TypeName::new("action_msgs", "srv", "CancelGoal");
-        Names {
-            path: format!("{}/_action/cancel_goal", self.path),
-            request: ty.to_dds("_Request"),
-            reply: ty.to_dds("_Response"),
-        }
+    /// The function itself, or the service that takes the goals of an action.
+    fn service(&self) -> &Named {
+        &self.wanted.of
     }
 
-    fn feedback(&self) -> (String, String) {
-        (format!("rt/{}/_action/feedback", self.path), self.ty.to_dds("_FeedbackMessage"))
+    fn get_result(&self) -> Named {
+        self.part("get_result", "_GetResult", self.hashes.get_result.as_ref())
     }
-}
 
-fn gids(guids: &[GUID]) -> Vec<[u8; 16]> {
-    guids.iter().map(|guid| guid.to_bytes()).collect()
+    fn feedback(&self) -> Named {
+        self.part("feedback", "_FeedbackMessage", self.hashes.feedback.as_ref())
+    }
+
+    /// A part of every action, of a type of ROS.
+    fn common(&self, ros: &Ros, suffix: &str, folder: &str, name: &str) -> Named {
+        let ty = TypeName::new("action_msgs", folder, name);
+        let hash = ros.masquerades.hash_of_foreign(&ty);
+        Named { name: format!("{}/_action/{suffix}", self.path), ty, hash }
+    }
+
+    fn cancel_goal(&self, ros: &Ros) -> Named {
+        self.common(ros, "cancel_goal", "srv", "CancelGoal")
+    }
+
+    fn status(&self, ros: &Ros) -> Named {
+        self.common(ros, "status", "msg", "GoalStatusArray")
+    }
 }
 
 impl ServiceEnds {
-    pub(crate) fn new(core: Arc<Core>) -> Arc<Self> {
+    pub(crate) fn new(ros: Arc<Ros>) -> Arc<Self> {
         Arc::new(Self {
-            core,
+            ros,
             own: Arc::default(),
             clients: Mutex::default(),
             actions: Mutex::default(),
@@ -85,28 +90,38 @@ impl ServiceEnds {
     }
 
     fn plan(&self, at: &Address, ty: &ServiceType) -> Result<Plan, OpenError> {
-        let path = self.core.path(at);
+        let masquerades = &self.ros.masquerades;
+        let path = self.ros.path(at);
         let activity = ty.kind == ServiceKind::Activity;
-        let foreign = self.core.masquerades.service(ty).map_err(|why| self.core.failed(at, why))?;
-        let (ros, style) = match foreign {
-            Some((name, manner)) => (name, Style::Foreign(manner)),
+        let foreign = masquerades.service(ty).map_err(|why| failed(at, why))?;
+        let hashes = |name: &TypeName, foreign| masquerades.hashes(name, ty, foreign);
+        let (ros, hashes, style) = match foreign {
+            Some((name, manner)) => {
+                let hashes = hashes(&name, true);
+                (name, hashes, Style::Foreign(manner))
+            }
             None => {
                 let folder = if activity { "action" } else { "srv" };
-                (names::service(&ty.input, at, folder), Style::Genom)
+                let name = names::service(&ty.input, at, folder);
+                let hashes = hashes(&name, false);
+                (name, hashes, Style::Genom)
             }
         };
         let (suffix, part) = if activity { ("/_action/send_goal", "_SendGoal") } else { ("", "") };
+        let of = Named {
+            name: format!("{path}{suffix}"),
+            ty: ros.part(part),
+            hash: hashes.service.clone(),
+        };
         let wanted = Wanted {
             kind: EndpointKind::Service,
-            address: self.core.full(at),
+            address: self.ros.full(at),
             types: types_of_service(ty),
             digest: ty.digest(),
-            topic: format!("rq/{path}{suffix}Request"),
-            hash: None,
-            dds_type: ros.to_dds(&format!("{part}_Request")),
+            of,
             node: names::token(&at.instance),
         };
-        Ok(Plan { wanted, path, ty: ros, style })
+        Ok(Plan { wanted, path, ty: ros, hashes, style })
     }
 
     pub(crate) fn serve(
@@ -116,14 +131,14 @@ impl ServiceEnds {
         handler: Arc<dyn ServiceHandler>,
     ) -> Result<Box<dyn Served>, OpenError> {
         let plan = self.plan(at, ty)?;
-        let claim = self.core.graph.claim(at, plan.wanted.clone(), self.core.announcer())?;
+        let claim = self.ros.rmw.claim(at, &plan.wanted)?;
         let weak = Arc::downgrade(&handler);
         let served = match ty.kind {
             ServiceKind::Activity => self.serve_action(&plan, ty, handler, claim),
             _ => self.serve_function(&plan, at, ty, handler, claim),
         };
-        let served = served.map_err(|why| self.core.failed(at, why))?;
-        self.own.add(plan.wanted.topic, weak);
+        let served = served.map_err(|why| failed(at, why))?;
+        self.own.add(plan.wanted.of.name, weak);
         Ok(served)
     }
 
@@ -133,27 +148,26 @@ impl ServiceEnds {
         at: &Address,
         ty: &ServiceType,
         handler: Arc<dyn ServiceHandler>,
-        claim: Claim,
-    ) -> CreateResult<Box<dyn Served>> {
-        let parameter = self.parameters.add(&self.core, at, ty, &handler);
+        claim: Box<dyn Claim>,
+    ) -> Result<Box<dyn Served>, EndError> {
+        let ros = &self.ros;
+        let parameter = self.parameters.add(ros, at, ty, &handler);
         let server = Server::new(ty.clone(), plan.style, handler);
         let weak = Arc::downgrade(&server);
-        let on_request = move |id, _, message: &[u8]| {
+        let on_request = move |reply, message: &[u8]| {
             if let Some(server) = weak.upgrade() {
-                server.request(id, message);
+                server.request(reply, message);
             }
         };
-        let names = plan.names("", "");
-        let end =
-            ServerEnd::open(&self.core.dds, &self.core.maker(), &names, Box::new(on_request))?;
-        claim.made(Made {
-            writers: gids(&[end.writer()]),
-            readers: gids(&[end.reader]),
-            offers: None,
-        });
-        let _ = server.end.set(end);
-        let core = Arc::clone(&self.core);
-        Ok(Box::new(Ros2Served { server, claim: Some(claim), parameter, core }))
+        let end = ros.rmw.server(&plan.wanted.node, plan.service(), Box::new(on_request))?;
+        claim.made(end.entities());
+        Ok(Box::new(Ros2Served {
+            server,
+            end,
+            claim: Some(claim),
+            parameter,
+            rmw: Arc::clone(&ros.rmw),
+        }))
     }
 
     fn serve_action(
@@ -161,48 +175,37 @@ impl ServiceEnds {
         plan: &Plan,
         ty: &ServiceType,
         handler: Arc<dyn ServiceHandler>,
-        claim: Claim,
-    ) -> CreateResult<Box<dyn Served>> {
-        let server = ActionServer::new(ty.clone(), plan.style, handler, self.core.orders().clone());
-        let (maker, dds) = (self.core.maker(), &self.core.dds);
-        let open = |names: &Names, on: fn(&Arc<ActionServer>, _, _, &[u8])| {
+        claim: Box<dyn Claim>,
+    ) -> Result<Box<dyn Served>, EndError> {
+        let server = ActionServer::new(ty.clone(), plan.style, handler);
+        let (ros, node) = (&self.ros, plan.wanted.node.as_str());
+        let open = |of: &Named, on: fn(&Arc<ActionServer>, Box<dyn Reply>, &[u8])| {
             let weak = Arc::downgrade(&server);
-            let on_request = move |id, asker, message: &[u8]| {
+            let on_request = move |reply, message: &[u8]| {
                 if let Some(server) = weak.upgrade() {
-                    on(&server, id, asker, message);
+                    on(&server, reply, message);
                 }
             };
-            ServerEnd::open(dds, &maker, names, Box::new(on_request))
+            ros.rmw.server(node, of, Box::new(on_request))
         };
-        let get_result = open(&plan.names("/_action/get_result", "_GetResult"), |to, id, _, m| {
-            to.get_result(id, m);
-        })?;
-        let cancel_goal = open(&plan.cancel_goal(), |to, id, _, m| to.cancel_goal(id, m))?;
-        let send_goal = open(&plan.names("/_action/send_goal", "_SendGoal"), |to, id, by, m| {
-            to.send_goal(id, by, m);
-        })?;
-        let (topic, name) = plan.feedback();
-        let writer = dds.writer(&topic, &name, &wire::qos(true, false, CACHED))?;
-        let feedback = Post::new(writer, &self.core.matches, Box::new(|_| {}));
-        let topic = format!("rt/{}/_action/status", plan.path);
-        let name = TypeName::new("action_msgs", "msg", "GoalStatusArray").to_dds("");
-        let status = dds.writer(&topic, &name, &wire::qos(true, true, CACHED))?;
-        claim.made(Made {
-            writers: gids(&[
-                send_goal.writer(),
-                get_result.writer(),
-                cancel_goal.writer(),
-                feedback.guid(),
-                status.guid(),
-            ]),
-            readers: gids(&[send_goal.reader, get_result.reader, cancel_goal.reader]),
-            offers: None,
-        });
-        let status = Arc::new(Mutex::new(status));
-        let ends = Ends { send_goal, get_result, cancel_goal, feedback, status };
-        let _ = server.ends.set(ends);
-        let core = Arc::clone(&self.core);
-        Ok(Box::new(Ros2Action { server, claim: Some(claim), core }))
+        // Whoever sees the service for goals finds the others.
+        let feedback = ros.rmw.writer(node, &plan.feedback(), false)?;
+        let status = ros.rmw.writer(node, &plan.status(ros), true)?;
+        let _ = server.topics.set((feedback, status));
+        let get_result = open(&plan.get_result(), |to, by, m| to.get_result(by, m))?;
+        let cancel_goal = open(&plan.cancel_goal(ros), |to, by, m| to.cancel_goal(by, m))?;
+        let send_goal = open(plan.service(), ActionServer::send_goal)?;
+        let ends = Ends { send_goal, get_result, cancel_goal };
+        let mut entities = Entities::default();
+        let topics = server.topics.get().map(|(feedback, status)| [feedback, status]);
+        let topics = topics.into_iter().flatten().map(|topic| topic.entities());
+        for one in ends.all().into_iter().map(|end| end.entities()).chain(topics) {
+            entities.writers.extend(one.writers);
+            entities.readers.extend(one.readers);
+        }
+        claim.made(entities);
+        let rmw = Arc::clone(&ros.rmw);
+        Ok(Box::new(Ros2Action { server, ends, claim: Some(claim), rmw }))
     }
 
     pub(crate) fn client(
@@ -211,22 +214,24 @@ impl ServiceEnds {
         ty: &ServiceType,
     ) -> Result<Box<dyn Client>, OpenError> {
         let plan = self.plan(at, ty)?;
-        if let Service::Differs(theirs) = self.core.graph.service(&plan.wanted, Instant::now()) {
+        if let Service::Differs(theirs) = self.ros.rmw.service(&plan.wanted, Instant::now()) {
             let ours = types_of_service(ty);
             return Err(OpenError::TypeMismatch { address: at.clone(), ours, theirs });
         }
-        let topic = plan.wanted.topic.clone();
+        let of = plan.service();
+        // Two of one name may have different types if one of them masquerades.
+        let key = format!("{} {}", of.name, of.ty);
         let way = match ty.kind {
             ServiceKind::Activity => {
-                shared(&self.actions, topic, || self.action(&plan)).map(Way::Action)
+                shared(&self.actions, key, || self.action(&plan).map(Arc::new)).map(Way::Action)
             }
-            _ => shared(&self.clients, topic, || {
-                ClientEnd::open(&self.core.dds, &self.core.maker(), &plan.names("", ""))
+            _ => shared(&self.clients, key, || {
+                Ok(Arc::from(self.ros.rmw.caller(&names::own_node(), of)?))
             })
             .map(Way::Service),
         };
-        let way = way.map_err(|why| self.core.failed(at, why))?;
-        let (at, ty, style, core) = (at.clone(), ty.clone(), plan.style, Arc::clone(&self.core));
+        let way = way.map_err(|why| failed(at, why))?;
+        let (at, ty, style, rmw) = (at.clone(), ty.clone(), plan.style, Arc::clone(&self.ros.rmw));
         let acquainted = Instant::now() + ACQUAINTANCE;
         Ok(Box::new(Ros2Client {
             at,
@@ -236,50 +241,38 @@ impl ServiceEnds {
             way,
             acquainted,
             own: Arc::clone(&self.own),
-            core,
+            rmw,
         }))
     }
 
-    fn action(&self, plan: &Plan) -> CreateResult<ActionEnd> {
-        let (maker, dds) = (self.core.maker(), &self.core.dds);
+    fn action(&self, plan: &Plan) -> Result<ActionEnd, EndError> {
+        let (ros, node) = (&self.ros, names::own_node());
         let runs = Arc::new(Runs::default());
-        let (topic, name) = plan.feedback();
-        let since = Timestamp::now();
-        let reader = dds.reader(&topic, &name, &wire::qos(true, false, CACHED))?;
-        let mut mark = [0; 8];
-        let of = reader.guid().to_bytes();
-        mark.iter_mut().zip(of.iter().skip(4)).for_each(|(to, byte)| *to = *byte);
-        let sink = Feedback { runs: Arc::clone(&runs), since };
-        let feedback = self.core.inlet.add(reader, Box::new(sink));
-        let get_result = plan.names("/_action/get_result", "_GetResult");
+        let heard = Arc::clone(&runs);
+        let on_feedback = Box::new(move |message: &[u8]| heard.feedback(message));
         Ok(ActionEnd {
-            send_goal: ClientEnd::open(
-                dds,
-                &maker,
-                &plan.names("/_action/send_goal", "_SendGoal"),
-            )?,
-            get_result: ClientEnd::open(dds, &maker, &get_result)?,
-            cancel_goal: ClientEnd::open(dds, &maker, &plan.cancel_goal())?,
+            feedback: ros.rmw.reader(&node, &plan.feedback(), on_feedback)?,
+            send_goal: ros.rmw.caller(&node, plan.service())?,
+            get_result: ros.rmw.caller(&node, &plan.get_result())?,
+            cancel_goal: ros.rmw.caller(&node, &plan.cancel_goal(ros))?,
             runs,
-            feedback,
-            inlet: Arc::clone(&self.core.inlet),
-            mark,
+            mark: ros.rmw.mark(),
         })
     }
 }
 
 /// The end of that name; reuses one that is still in use, or creates it.
-fn shared<T>(
+fn shared<T: ?Sized>(
     all: &Mutex<HashMap<String, Weak<T>>>,
     name: String,
-    make: impl FnOnce() -> CreateResult<T>,
-) -> CreateResult<Arc<T>> {
+    make: impl FnOnce() -> Result<Arc<T>, EndError>,
+) -> Result<Arc<T>, EndError> {
     let mut all = all.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(there) = all.get(&name).and_then(Weak::upgrade) {
         return Ok(there);
     }
     all.retain(|_, other| other.strong_count() > 0);
-    let made = Arc::new(make()?);
+    let made = make()?;
     all.insert(name, Arc::downgrade(&made));
     Ok(made)
 }

@@ -9,7 +9,7 @@ use genom_types::Record;
 
 use crate::lock::lock;
 
-/// The services of this daemon, by request topic.
+/// The services of this daemon, by name.
 #[derive(Default)]
 pub(crate) struct Own(Mutex<HashMap<String, Weak<dyn ServiceHandler>>>);
 

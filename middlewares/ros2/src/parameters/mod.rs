@@ -15,8 +15,8 @@ use std::sync::{Arc, Mutex};
 
 use genom_middleware::{Address, ServiceHandler, ServiceKind, ServiceType};
 
-use crate::core::Core;
 use crate::lock::lock;
+use crate::ros::Ros;
 
 use node::{Attributes, Node, SERVICES};
 use table::{Attribute, Way};
@@ -47,15 +47,15 @@ impl Parameters {
     /// Makes an attribute a parameter, if it is suitable.
     pub(crate) fn add(
         self: &Arc<Self>,
-        core: &Core,
+        ros: &Ros,
         at: &Address,
         ty: &ServiceType,
         handler: &Arc<dyn ServiceHandler>,
     ) -> Option<Part> {
-        if !core.options.parameters {
+        if !ros.options.parameters {
             return None;
         }
-        let path = core.path(&Address::new(at.instance.clone(), "x"));
+        let path = ros.path(&Address::new(at.instance.clone(), "x"));
         let instance = path.strip_suffix("/x").unwrap_or(&path).to_owned();
         let clash = SERVICES.iter().any(|service| at.name == service.name);
         let way = Way::of(ty).filter(|_| ty.kind == ServiceKind::Attribute);
@@ -76,7 +76,7 @@ impl Parameters {
             }
             None => return None,
         };
-        let given_up = all.get_mut(&instance)?.settle(core, &instance, at);
+        let given_up = all.get_mut(&instance)?.settle(ros, &instance, at);
         // Dropping a node waits for threads that may be serving it.
         drop(all);
         drop(given_up);
@@ -105,12 +105,12 @@ impl Drop for Part {
 impl Instance {
     /// Creates or removes the services as needed. Returns what must be dropped when no lock is
     /// held.
-    fn settle(&mut self, core: &Core, instance: &str, at: &Address) -> Option<Arc<Node>> {
+    fn settle(&mut self, ros: &Ros, instance: &str, at: &Address) -> Option<Arc<Node>> {
         if self.clashes > 0 || lock(&self.attributes).is_empty() {
             return self.node.take();
         }
         if self.node.is_none() {
-            match Node::open(core, instance, at, Arc::clone(&self.attributes)) {
+            match Node::open(ros, instance, at, Arc::clone(&self.attributes)) {
                 Ok(node) => self.node = Some(node),
                 Err(why) => tracing::warn!("{at}: no parameters: {why}"),
             }

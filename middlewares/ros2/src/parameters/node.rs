@@ -5,19 +5,16 @@ use std::sync::{Arc, Mutex, OnceLock};
 
 use genom_middleware::{Address, Outcome};
 use genom_types::Record;
-use rustdds::dds::CreateResult;
 
 use super::error::SetError;
 use super::gather::Gather;
 use super::table::{Attribute, Parameter, parameters};
 use super::value::{Value, put_all, put_long};
 use crate::body::{self, Fields};
-use crate::channel::{Names, RequestId, ServerEnd, close};
-use crate::core::Core;
-use crate::graph::{Belonging, Entities};
 use crate::lock::lock;
 use crate::names::{self, TypeName};
-use crate::sender::Orders;
+use crate::rmw::{self, EndError, Entities, Named, ServerEnd};
+use crate::ros::Ros;
 
 /// Attributes of an instance, by name.
 pub(crate) type Attributes = Arc<Mutex<BTreeMap<String, Arc<Attribute>>>>;
@@ -43,64 +40,46 @@ pub(crate) const SERVICES: [Service; 6] = [
 
 /// The services of one node. Fields are dropped in order.
 pub(crate) struct Node {
-    ends: OnceLock<Vec<ServerEnd>>,
-    belonging: OnceLock<Belonging>,
+    ends: OnceLock<Vec<Box<dyn ServerEnd>>>,
+    belonging: OnceLock<Box<dyn Send + Sync>>,
     attributes: Attributes,
-    orders: Orders,
 }
 
-/// Where the reply to one request goes.
-struct Reply {
-    node: std::sync::Weak<Node>,
-    service: usize,
-    to: RequestId,
-}
-
-impl Reply {
-    fn send(self, body: Vec<u8>) {
-        let Some(node) = self.node.upgrade() else { return };
-        if let Some(end) = node.ends.get().and_then(|ends| ends.get(self.service)) {
-            end.reply(self.to, body);
-        }
-    }
-}
+type Reply = Box<dyn rmw::Reply>;
 
 impl Node {
     pub(crate) fn open(
-        core: &Core,
+        ros: &Ros,
         path: &str,
         at: &Address,
         attributes: Attributes,
-    ) -> CreateResult<Arc<Self>> {
+    ) -> Result<Arc<Self>, EndError> {
         let (ends, belonging) = (OnceLock::new(), OnceLock::new());
-        let node = Arc::new(Self { ends, belonging, attributes, orders: core.orders().clone() });
+        let node = Arc::new(Self { ends, belonging, attributes });
+        let name = names::token(&at.instance);
         let mut made = Vec::with_capacity(SERVICES.len());
-        for (number, service) in SERVICES.iter().enumerate() {
+        for service in &SERVICES {
             let ty = TypeName::new("rcl_interfaces", "srv", service.ty);
-            let names = Names {
-                path: format!("{path}/{}", service.name),
-                request: ty.to_dds("_Request"),
-                reply: ty.to_dds("_Response"),
-            };
+            let hash = ros.masquerades.hash_of_foreign(&ty);
+            let of = Named { name: format!("{path}/{}", service.name), ty, hash };
             let weak = Arc::downgrade(&node);
-            let on_request = move |to, _, message: &[u8]| {
+            let on_request = move |reply, message: &[u8]| {
                 let Some(node) = weak.upgrade() else { return };
-                let reply = Reply { node: weak.clone(), service: number, to };
                 let served = Fields::of(message).and_then(|all| (service.serve)(&node, reply, all));
                 if served.is_none() {
                     tracing::warn!("a request of {} cannot be read; it is left out", service.ty);
                 }
             };
-            made.push(ServerEnd::open(&core.dds, &core.maker(), &names, Box::new(on_request))?);
+            made.push(ros.rmw.server(&name, &of, Box::new(on_request))?);
         }
-        let entities = Entities {
-            node: names::token(&at.instance),
-            writers: made.iter().map(|end| end.writer().to_bytes()).collect(),
-            readers: made.iter().map(|end| end.reader.to_bytes()).collect(),
-        };
+        let mut entities = Entities::default();
+        for one in made.iter().map(|end| end.entities()) {
+            entities.writers.extend(one.writers);
+            entities.readers.extend(one.readers);
+        }
         // Cannot fail: nobody else has the node yet.
         let _ = node.ends.set(made);
-        let _ = node.belonging.set(core.graph.belong(entities, core.announcer()));
+        let _ = node.belonging.set(ros.rmw.belong(&name, entities));
         Ok(node)
     }
 
@@ -111,8 +90,7 @@ impl Node {
 
 impl Drop for Node {
     fn drop(&mut self) {
-        let ends = self.ends.get().into_iter().flatten();
-        close(&self.orders, ends.map(ServerEnd::post).collect());
+        self.ends.get().into_iter().flatten().for_each(|end| end.flush());
     }
 }
 

@@ -12,11 +12,11 @@ use std::time::{Duration, Instant};
 use rustdds::{GUID, Timestamp};
 
 use crate::complaints::Complaints;
-use crate::graph::{Graph, Verdict, Wanted};
+use crate::dds::graph::{Graph, Verdict, Wanted};
+use crate::dds::numbering::Place;
+use crate::dds::quality::{Asks, Wish};
+use crate::dds::receiver::{Sample, Sink};
 use crate::inbox::{Inbox, Message};
-use crate::numbering::Place;
-use crate::quality::{Asks, Wish};
-use crate::receiver::{Sample, Sink};
 
 /// A new reader should start with the last value, but DDS also delivers what was written while it
 /// was being connected. Of the samples that arrive within this time only the newest is kept.

@@ -7,8 +7,7 @@ use rustdds::bytes::Bytes;
 use rustdds::no_key::{Decode, DeserializerAdapter, SerializerAdapter};
 use rustdds::{Duration, QosPolicies, QosPolicyBuilder, RepresentationIdentifier, policy};
 
-/// Size in bytes of the encapsulation header before a payload.
-pub(crate) const HEADER: usize = 4;
+pub(crate) use crate::rmw::HEADER;
 
 /// A CDR payload to send, little endian, without its header.
 pub(crate) struct Payload(pub(crate) Bytes);

@@ -14,7 +14,7 @@ mod wait;
 
 use std::sync::Arc;
 
-use crate::guard::{Limits, Tally};
+use crate::dds::guard::{Limits, Tally};
 
 /// Makes the guard filter what participants receive that are created in this domain from now on.
 pub(crate) fn guard(domain: u16, limits: Limits) -> Arc<Tally> {

@@ -9,9 +9,10 @@ use genom_middleware::EndpointKind;
 use genom_rosidl::TypeName;
 use rustdds::{GUID, QosPolicies};
 
-use super::ends::{Entities, Found, Own, Service, Verdict, Wanted};
-use crate::info::{self, End, Ends};
-use crate::process::Process;
+use super::ends::{Entities, Found, Own, Verdict, Wanted, service_of};
+use crate::dds::info::{self, End, Ends};
+use crate::dds::process::Process;
+use crate::rmw::Service;
 
 /// Number of absent daemons whose announcements are kept.
 const MANY: usize = 256;
@@ -159,7 +160,7 @@ impl State {
             .map(|own| &own.wanted)
             .find(|own| own.kind == EndpointKind::Service && own.address == wanted.address);
         if let Some(own) = own {
-            return Service::of(&own.digest, &own.types, wanted, None);
+            return service_of(&own.digest, &own.types, wanted, None);
         }
         let mut there = None;
         for (guid, other) in self.found.iter().filter(|(_, other)| other.topic == wanted.topic) {
@@ -167,12 +168,12 @@ impl State {
                 continue;
             }
             match self.told_of(guid) {
-                Some(end) => return Service::of(&end.digest, &end.types, wanted, Some(*guid)),
+                Some(end) => return service_of(&end.digest, &end.types, wanted, Some(*guid)),
                 None if self.is_daemon(guid) => {}
                 None if other.dds_type != wanted.dds_type => {
                     return Service::Differs(TypeName::from_dds(&other.dds_type));
                 }
-                None => there = Some(*guid),
+                None => there = Some(guid.to_bytes()),
             }
         }
         there.map_or(Service::Nobody, |guid| Service::There(Some(guid)))

@@ -7,11 +7,11 @@ use rustdds::dds::CreateResult;
 use rustdds::mio1::Token;
 use rustdds::{GUID, QosPolicies};
 
-use crate::dds::Dds;
-use crate::feed::{Feed, FeedSink};
-use crate::quality::{Asks, Wish};
-use crate::receiver::Inlet;
-use crate::wire;
+use crate::dds::feed::{Feed, FeedSink};
+use crate::dds::participant::Dds;
+use crate::dds::quality::{Asks, Wish};
+use crate::dds::receiver::Inlet;
+use crate::dds::wire;
 
 /// Keeps a topic subscribed. Dropping the last handle ends the DDS reader.
 pub(crate) struct FeedHandle {

@@ -11,8 +11,8 @@ use std::time::{Duration, Instant};
 
 use rustdds::{GUID, WriteOptionsBuilder};
 
-use crate::quality::same_make;
-use crate::wire::{Payload, Writer};
+use crate::dds::quality::same_make;
+use crate::dds::wire::{Payload, Writer};
 
 /// Shortest and longest interval between checks of acknowledgements.
 const LOOKS: (Duration, Duration) = (Duration::from_millis(2), Duration::from_millis(50));

@@ -7,7 +7,7 @@ use genom_middleware::{Address, Obstacle, Quality};
 use genom_rosidl::TypeName;
 use rustdds::{GUID, QosPolicies, policy};
 
-use crate::graph::Found;
+use crate::dds::graph::Found;
 use crate::options::Qos;
 
 /// The QoS that a reader requests.
@@ -51,15 +51,6 @@ impl Wish {
                 .transient_local
                 .unwrap_or_else(|| !writers.is_empty() && writers.iter().all(latched)),
         }
-    }
-}
-
-/// The QoS that an out port offers.
-pub(crate) fn offered(of_port: &Quality, default: &Qos) -> Qos {
-    Qos {
-        reliable: of_port.reliable.unwrap_or(default.reliable),
-        depth: of_port.depth.unwrap_or(default.depth),
-        transient_local: of_port.transient_local.unwrap_or(default.transient_local),
     }
 }
 
@@ -173,7 +164,7 @@ pub(crate) fn other_structure(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wire;
+    use crate::dds::wire;
 
     const AT: (&str, &str) = ("demo", "scan");
     const FREE: Wish = Wish { reliable: None, transient_local: None };

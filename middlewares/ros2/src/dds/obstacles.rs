@@ -2,9 +2,9 @@
 
 use genom_middleware::{Address, Obstacle};
 
-use crate::feeds::Feeds;
-use crate::graph::Graph;
-use crate::quality::{self, Ours};
+use crate::dds::feeds::Feeds;
+use crate::dds::graph::Graph;
+use crate::dds::quality::{self, Ours};
 
 /// What keeps ends of others at an address from connecting to ours, or to any.
 pub(crate) fn obstacles(graph: &Graph, feeds: &Feeds, at: &Address, topic: &str) -> Vec<Obstacle> {

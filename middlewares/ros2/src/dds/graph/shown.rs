@@ -5,7 +5,7 @@ use genom_rosidl::TypeName;
 
 use super::ends::{Found, Made, kind_of};
 use super::known::Graph;
-use crate::info::{self, End, Gid, Node, Nodes};
+use crate::dds::info::{self, End, Gid, Node, Nodes};
 
 impl Graph {
     pub(crate) fn list(&self) -> Vec<Endpoint> {

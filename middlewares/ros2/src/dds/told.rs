@@ -5,13 +5,13 @@ use std::time::Duration;
 
 use rustdds::bytes::Bytes;
 
-use crate::feeds::Feeds;
-use crate::graph::Graph;
-use crate::info::{self, Ends};
-use crate::process::Process;
-use crate::receiver::{Sample, Sink};
-use crate::sender::Announce;
-use crate::wire::{Payload, Writer};
+use crate::dds::feeds::Feeds;
+use crate::dds::graph::Graph;
+use crate::dds::info::{self, Ends};
+use crate::dds::process::Process;
+use crate::dds::receiver::{Sample, Sink};
+use crate::dds::sender::Announce;
+use crate::dds::wire::{Payload, Writer};
 
 /// Announces this daemon's nodes and ends.
 pub(crate) struct Told {

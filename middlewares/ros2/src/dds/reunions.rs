@@ -12,9 +12,9 @@ use std::time::{Duration, Instant};
 
 use rustdds::{GUID, RTPSEntity};
 
-use crate::dds::{Dds, Direction};
-use crate::graph::Found;
-use crate::wire::{self, Reader, Writer};
+use crate::dds::graph::Found;
+use crate::dds::participant::{Dds, Direction};
+use crate::dds::wire::{self, Reader, Writer};
 
 /// Number of absent participants that are remembered.
 const MANY: usize = 256;

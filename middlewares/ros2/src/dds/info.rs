@@ -7,7 +7,7 @@
 use rustdds::{GUID, RepresentationIdentifier, cdr_encoding};
 use serde::{Deserialize, Serialize};
 
-use crate::process::Process;
+use crate::dds::process::Process;
 
 /// Topic and type for nodes.
 pub(crate) const NODES: (&str, &str) =
@@ -16,8 +16,7 @@ pub(crate) const NODES: (&str, &str) =
 /// Topic and type for our ends.
 pub(crate) const ENDS: (&str, &str) = ("genom_discovery_info", "genom::msg::dds_::Ends_");
 
-/// `rmw_dds_common/msg/Gid`, since ROS 2 Iron.
-pub(crate) type Gid = [u8; 16];
+pub(crate) use crate::rmw::Gid;
 
 /// `rmw_dds_common/msg/ParticipantEntitiesInfo`.
 #[derive(Debug, Deserialize, Serialize)]
@@ -74,7 +73,7 @@ pub(crate) fn encode(value: &impl Serialize) -> Option<Vec<u8>> {
 
 /// Decodes a message: header and payload.
 pub(crate) fn decode<'de, T: Deserialize<'de>>(message: &'de [u8]) -> Option<T> {
-    let (header, payload) = message.split_at_checked(crate::wire::HEADER)?;
+    let (header, payload) = message.split_at_checked(crate::dds::wire::HEADER)?;
     let encoding = if header.get(1) == Some(&1) {
         RepresentationIdentifier::CDR_LE
     } else {

@@ -15,7 +15,7 @@ use rustdds::{
     DomainParticipantStatusEvent, DomainParticipantStatusListener, GUID, StatusEvented, Timestamp,
 };
 
-use crate::wire::{CopyTo, Reader};
+use crate::dds::wire::{CopyTo, Reader};
 
 const WAKE: Token = Token(0);
 const STATUS: Token = Token(1);

@@ -5,6 +5,6 @@ mod ends;
 mod known;
 mod shown;
 
-pub(crate) use claim::{Belonging, Claim};
-pub(crate) use ends::{Entities, Found, Made, Service, Verdict, Wanted};
+pub(crate) use claim::Claim;
+pub(crate) use ends::{Entities, Found, Made, Verdict, Wanted};
 pub(crate) use known::Graph;

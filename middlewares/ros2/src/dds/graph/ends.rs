@@ -5,9 +5,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use genom_middleware::EndpointKind;
 use rustdds::{EndpointDescription, GUID, QosPolicies};
 
-use crate::info::{self, Gid};
+use crate::dds::info::{self, Gid};
+use crate::rmw::{self, Named, Service};
 
-/// An end that is to be opened.
+/// An end that is to be opened, with its names in DDS.
 #[derive(Clone, Debug)]
 pub(crate) struct Wanted {
     pub(crate) kind: EndpointKind,
@@ -23,6 +24,18 @@ pub(crate) struct Wanted {
     pub(crate) hash: Option<String>,
     /// The ROS node that it belongs to: the component instance.
     pub(crate) node: String,
+}
+
+impl Wanted {
+    pub(crate) fn of(wanted: &rmw::Wanted) -> Self {
+        let rmw::Wanted { kind, address, types, digest, node, of } = wanted.clone();
+        let Named { name, ty, hash } = of;
+        let (topic, dds_type) = match kind {
+            EndpointKind::Service => (format!("rq/{name}Request"), ty.to_dds("_Request")),
+            _ => (format!("rt/{name}"), ty.to_dds("")),
+        };
+        Self { kind, address, types, digest, topic, dds_type, hash, node }
+    }
 }
 
 /// An end of ours.
@@ -97,19 +110,17 @@ impl Verdict {
     }
 }
 
-/// What is known of a service that is to be called.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Service {
-    /// It exists. With its reader of requests; `None` if it is in this daemon.
-    There(Option<GUID>),
-    Nobody,
-    /// It has these types instead.
-    Differs(String),
-}
-
-impl Service {
-    pub(super) fn of(digest: &str, types: &str, wanted: &Wanted, reader: Option<GUID>) -> Self {
-        if digest == wanted.digest { Self::There(reader) } else { Self::Differs(types.to_owned()) }
+/// A service with these types that has this reader of requests.
+pub(super) fn service_of(
+    digest: &str,
+    types: &str,
+    wanted: &Wanted,
+    reader: Option<GUID>,
+) -> Service {
+    if digest == wanted.digest {
+        Service::There(reader.map(|guid| guid.to_bytes()))
+    } else {
+        Service::Differs(types.to_owned())
     }
 }
 

@@ -6,8 +6,8 @@ use std::sync::{Mutex, PoisonError};
 use rustdds::dds::CreateResult;
 use rustdds::{DomainParticipant, DomainParticipantBuilder, QosPolicies, TopicKind};
 
+use crate::dds::wire::{Reader, Writer};
 use crate::domain::Domain;
-use crate::wire::{Reader, Writer};
 
 /// Creates writers and readers.
 pub(crate) struct Dds {

@@ -4,7 +4,6 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
 
-use genom_middleware::CallError;
 use rustdds::bytes::Bytes;
 use rustdds::dds::CreateResult;
 use rustdds::mio1::Token;
@@ -13,12 +12,13 @@ use rustdds::{GUID, RTPSEntity, SequenceNumber, Timestamp, WriteOptions, WriteOp
 
 use crate::body::Fields;
 use crate::complaints::Complaints;
-use crate::dds::Dds;
+use crate::dds::participant::Dds;
+use crate::dds::post::{Matches, Post, Prefix, prefix};
+use crate::dds::receiver::{Inlet, Sample, Sink};
+use crate::dds::sender::Orders;
+use crate::dds::wire::{self, HEADER, Payload, Reader};
 use crate::options::ServiceMapping;
-use crate::post::{Matches, Post, Prefix, Target, prefix};
-use crate::receiver::{Inlet, Sample, Sink};
-use crate::sender::Orders;
-use crate::wire::{self, HEADER, Payload, Reader};
+use crate::rmw::{Answer, ClientEnd, Entities, Gid, Named, OnRequest, Reply, ServerEnd, Target};
 
 /// Greatest number of requests or replies of one service that wait for the receiving thread.
 const CACHED: i32 = 1024;
@@ -48,7 +48,15 @@ pub(crate) struct Names {
 }
 
 impl Names {
-    pub(crate) fn request_topic(&self) -> String {
+    pub(crate) fn of(service: &Named) -> Self {
+        Self {
+            path: service.name.clone(),
+            request: service.ty.to_dds("_Request"),
+            reply: service.ty.to_dds("_Response"),
+        }
+    }
+
+    fn request_topic(&self) -> String {
         format!("rq/{}Request", self.path)
     }
 
@@ -59,27 +67,34 @@ impl Names {
 
 /// Identifies the request that a reply belongs to.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct RequestId {
-    asker: Prefix,
+struct RequestId {
+    asker: GUID,
     identity: SampleIdentity,
     /// Header of the Cyclone mapping, half a GUID and a number; sent back unchanged.
     half: u64,
     number: u64,
 }
 
-/// Called for each request, with its sender and its body.
-pub(crate) type OnRequest = Box<dyn FnMut(RequestId, Prefix, &[u8]) + Send>;
-
 /// The serving end.
-pub(crate) struct ServerEnd {
+pub(crate) struct Server {
     maker: Maker,
     replies: Arc<Post>,
     token: Token,
-    pub(crate) reader: GUID,
+    reader: GUID,
+}
+
+/// Where the reply to one request goes.
+struct ToClient {
+    id: RequestId,
+    mapping: ServiceMapping,
+    replies: Arc<Post>,
+    orders: Orders,
 }
 
 struct Requests {
     mapping: ServiceMapping,
+    replies: Arc<Post>,
+    orders: Orders,
     since: Timestamp,
     ourselves: Prefix,
     on_request: OnRequest,
@@ -88,8 +103,8 @@ struct Requests {
 
 impl Sink for Requests {
     fn arrive(&mut self, sample: Sample<'_>) {
-        let asker = prefix(&sample.writer);
-        if sample.received < self.since || asker == self.ourselves {
+        let asker = sample.writer;
+        if sample.received < self.since || prefix(&asker) == self.ourselves {
             return;
         }
         let Some((identity, half, number, body)) = self.open(&sample) else {
@@ -98,7 +113,10 @@ impl Sink for Requests {
             }
             return;
         };
-        (self.on_request)(RequestId { asker, identity, half, number }, asker, &body);
+        let id = RequestId { asker, identity, half, number };
+        let (replies, orders) = (Arc::clone(&self.replies), self.orders.clone());
+        let reply = ToClient { id, mapping: self.mapping, replies, orders };
+        (self.on_request)(Box::new(reply), &body);
     }
 
     fn garbled(&mut self) {
@@ -157,7 +175,7 @@ fn write(writer: &wire::Writer, payload: Bytes, options: WriteOptions) -> Option
     }
 }
 
-impl ServerEnd {
+impl Server {
     pub(crate) fn open(
         dds: &Dds,
         maker: &Maker,
@@ -172,19 +190,45 @@ impl ServerEnd {
         let reader = dds.reader(&names.request_topic(), &names.request, &qos)?;
         let guid = reader.guid();
         let bad = Complaints::default();
-        let sink = Requests { mapping: maker.mapping, since, ourselves, on_request, bad };
+        let sink = Requests {
+            mapping: maker.mapping,
+            replies: Arc::clone(&replies),
+            orders: maker.orders.clone(),
+            since,
+            ourselves,
+            on_request,
+            bad,
+        };
         let token = maker.inlet.add(reader, Box::new(sink));
         Ok(Self { maker: maker.clone(), replies, token, reader: guid })
     }
+}
 
-    pub(crate) fn writer(&self) -> GUID {
-        self.replies.guid()
+impl ServerEnd for Server {
+    fn entities(&self) -> Entities {
+        let (writer, reader) = (self.replies.guid(), self.reader);
+        Entities { writers: vec![writer.to_bytes()], readers: vec![reader.to_bytes()] }
     }
 
+    // Others hear of it by an announcement (`settle`).
+    fn withdraw(&self) {}
+
+    fn flush(&self) {
+        settle(&self.maker.orders, &self.replies);
+    }
+}
+
+/// Waits on the sending thread, for a limited time, until the last messages have arrived.
+pub(crate) fn settle(orders: &Orders, post: &Arc<Post>) {
+    let post = Arc::clone(post);
+    orders.finish(move || post.settle(FAREWELL));
+}
+
+impl Reply for ToClient {
     /// Sends a reply as soon as the client's reader is connected.
-    pub(crate) fn reply(&self, to: RequestId, body: Vec<u8>) {
-        let (post, mapping) = (Arc::clone(&self.replies), self.maker.mapping);
-        self.maker.orders.submit(move || {
+    fn send(self: Box<Self>, body: Vec<u8>) {
+        let Self { id: to, mapping, replies: post, orders } = *self;
+        orders.submit(move || {
             let letter = move |writer: &wire::Writer| {
                 let options = WriteOptionsBuilder::new().source_timestamp(Timestamp::now());
                 _ = match mapping {
@@ -197,45 +241,18 @@ impl ServerEnd {
                     }
                 };
             };
-            post.send(Target::Participant(to.asker), Box::new(letter));
+            post.send(Target::Beside(to.asker.to_bytes()), Box::new(letter));
         });
     }
 
-    /// The post of the replies, to be closed on the sending thread after the last reply.
-    pub(crate) fn post(&self) -> Arc<Post> {
-        Arc::clone(&self.replies)
+    fn asker(&self) -> Gid {
+        self.id.asker.to_bytes()
     }
 }
 
-impl Drop for ServerEnd {
+impl Drop for Server {
     fn drop(&mut self) {
         self.maker.inlet.remove(self.token);
-    }
-}
-
-type Then = Box<dyn FnOnce(Result<&[u8], CallError>) + Send>;
-
-/// Receives the body of a reply, or the error. Always called: with [`CallError::Gone`] if it is
-/// dropped.
-pub(crate) struct Answer(Option<Then>);
-
-impl Answer {
-    pub(crate) fn new(then: impl FnOnce(Result<&[u8], CallError>) + Send + 'static) -> Self {
-        Self(Some(Box::new(then)))
-    }
-
-    fn give(mut self, answer: Result<&[u8], CallError>) {
-        if let Some(then) = self.0.take() {
-            then(answer);
-        }
-    }
-}
-
-impl Drop for Answer {
-    fn drop(&mut self) {
-        if let Some(then) = self.0.take() {
-            then(Err(CallError::Gone));
-        }
     }
 }
 
@@ -269,7 +286,7 @@ impl Pending {
 }
 
 /// The calling end, shared by all callers of a service in this daemon.
-pub(crate) struct ClientEnd {
+pub(crate) struct Caller {
     maker: Maker,
     requests: Arc<Post>,
     token: Token,
@@ -316,7 +333,7 @@ fn half(of: &GUID) -> u64 {
     of.to_bytes().last_chunk().map_or(0, |half| u64::from_le_bytes(*half))
 }
 
-impl ClientEnd {
+impl Caller {
     pub(crate) fn open(dds: &Dds, maker: &Maker, names: &Names) -> CreateResult<Self> {
         let qos = wire::qos(true, false, CACHED);
         let since = Timestamp::now();
@@ -342,9 +359,11 @@ impl ClientEnd {
         let token = maker.inlet.add(reader, Box::new(sink));
         Ok(Self { maker: maker.clone(), requests, token, reader: guid, pending })
     }
+}
 
+impl ClientEnd for Caller {
     /// Sends a request as soon as the server's reader is connected.
-    pub(crate) fn call(&self, to: Target, body: Vec<u8>, answer: Answer) {
+    fn call(&self, to: Target, body: Vec<u8>, answer: Answer) {
         let (post, pending) = (Arc::clone(&self.requests), Arc::clone(&self.pending));
         let (mapping, reader) = (self.maker.mapping, self.reader);
         self.maker.orders.submit(move || {
@@ -382,13 +401,8 @@ impl ClientEnd {
     }
 }
 
-impl Drop for ClientEnd {
+impl Drop for Caller {
     fn drop(&mut self) {
         self.maker.inlet.remove(self.token);
     }
-}
-
-/// Waits on the sending thread, for a limited time, until the last messages have arrived.
-pub(crate) fn close(orders: &Orders, posts: Vec<Arc<Post>>) {
-    orders.finish(move || posts.iter().for_each(|post| post.settle(FAREWELL)));
 }

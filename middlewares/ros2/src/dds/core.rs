@@ -2,35 +2,32 @@
 
 use std::sync::Arc;
 
-use genom_middleware::describe::type_of_port;
-use genom_middleware::{Address, EndpointKind, OpenError, Quality};
+use genom_middleware::Quality;
 use genom_types::DataType;
 use rustdds::RTPSEntity;
 use rustdds::dds::CreateResult;
 
-use crate::channel::Maker;
-use crate::dds::Dds;
+use crate::dds::channel::Maker;
+use crate::dds::farewell::Farewell;
+use crate::dds::feed::Feed;
+use crate::dds::feeds::{FeedHandle, Feeds};
+use crate::dds::graph::{Graph, Wanted};
+use crate::dds::guard::Tally;
+use crate::dds::hook;
+use crate::dds::info;
+use crate::dds::news::news;
+use crate::dds::participant::Dds;
+use crate::dds::post::Matches;
+use crate::dds::process::Process;
+use crate::dds::quality::Wish;
+use crate::dds::receiver::Inlet;
+use crate::dds::reunions::Reunions;
+use crate::dds::sender::{Orders, Sending};
+use crate::dds::told::{Hear, Told};
+use crate::dds::wire;
 use crate::domain::Domain;
-use crate::error::{BACKEND, ParticipantError};
-use crate::farewell::Farewell;
-use crate::feed::Feed;
-use crate::feeds::{FeedHandle, Feeds};
-use crate::graph::{Graph, Wanted};
-use crate::guard::Tally;
-use crate::hook;
-use crate::info;
-use crate::masquerades::Masquerades;
-use crate::names;
-use crate::news::news;
+use crate::error::ParticipantError;
 use crate::options::Options;
-use crate::post::Matches;
-use crate::process::Process;
-use crate::quality::Wish;
-use crate::receiver::Inlet;
-use crate::reunions::Reunions;
-use crate::sender::{Orders, Sending};
-use crate::told::{Hear, Told};
-use crate::wire;
 
 /// Limit in bytes for the samples that the DDS library keeps for one topic.
 const MEMORY: usize = 32 << 20;
@@ -47,7 +44,6 @@ pub(crate) struct Core {
     /// Counts what the guard kept from DDS.
     pub(crate) tally: Arc<Tally>,
     pub(crate) options: Options,
-    pub(crate) masquerades: Masquerades,
 }
 
 impl Core {
@@ -99,7 +95,6 @@ impl Core {
             },
             tally,
             options: options.clone(),
-            masquerades: Masquerades::new(options),
         });
         core.announcer()();
         Ok(core)
@@ -113,47 +108,6 @@ impl Core {
     pub(crate) fn announcer(&self) -> Box<dyn Fn() + Send + Sync> {
         let orders = self.orders().clone();
         Box::new(move || orders.announce())
-    }
-
-    /// The ROS name of an address without its leading slash, as messages and lists show it.
-    pub(crate) fn path(&self, at: &Address) -> String {
-        names::path(&self.options.namespace, at)
-    }
-
-    /// The address with the namespace in front.
-    pub(crate) fn full(&self, at: &Address) -> String {
-        match self.options.namespace.trim_matches('/') {
-            _ if at.instance.is_empty() => at.name.clone(),
-            "" => at.to_string(),
-            namespace => format!("{namespace}/{at}"),
-        }
-    }
-
-    pub(crate) fn port(
-        &self,
-        kind: EndpointKind,
-        at: &Address,
-        ty: &DataType,
-    ) -> Result<Wanted, OpenError> {
-        let message = self.masquerades.message(ty).map_err(|why| self.failed(at, why))?;
-        Ok(Wanted {
-            kind,
-            address: self.full(at),
-            types: type_of_port(ty),
-            digest: ty.digest().to_owned(),
-            topic: format!("rt/{}", self.path(at)),
-            dds_type: message.to_dds(""),
-            hash: self.masquerades.hash(ty),
-            node: match kind {
-                // The address is the writer's; which component reads is not known here.
-                EndpointKind::Subscription => format!("genomd_{}", std::process::id()),
-                _ => names::token(&at.instance),
-            },
-        })
-    }
-
-    pub(crate) fn failed(&self, at: &Address, why: impl std::fmt::Display) -> OpenError {
-        OpenError::Failed { backend: BACKEND.to_owned(), address: at.clone(), why: why.to_string() }
     }
 
     /// The reader of a topic, shared by all in ports of this daemon that read it.

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use rustdds::{DomainParticipantStatusEvent as Event, EndpointDescription, GUID, LostReason};
 
-use crate::feeds::Feeds;
-use crate::graph::{Found, Graph};
-use crate::obstacles;
-use crate::receiver::News;
-use crate::reunions::Reunions;
-use crate::sender::Orders;
+use crate::dds::feeds::Feeds;
+use crate::dds::graph::{Found, Graph};
+use crate::dds::obstacles;
+use crate::dds::receiver::News;
+use crate::dds::reunions::Reunions;
+use crate::dds::sender::Orders;
 
 fn found(end: EndpointDescription, writer: bool) -> (rustdds::GUID, Found) {
     (end.guid, Found::new(end, writer))

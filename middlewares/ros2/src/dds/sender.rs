@@ -13,12 +13,12 @@ use rustdds::bytes::Bytes;
 use rustdds::{GUID, RTPSEntity, Timestamp};
 
 use crate::complaints::BETWEEN_LINES;
-use crate::feed::Feed;
-use crate::feeds::Feeds;
-use crate::meetings::{self, Meetings};
-use crate::numbering::Numbering;
-use crate::post::Matches;
-use crate::wire::{HEADER, Payload, Writer};
+use crate::dds::feed::Feed;
+use crate::dds::feeds::Feeds;
+use crate::dds::meetings::{self, Meetings};
+use crate::dds::numbering::Numbering;
+use crate::dds::post::Matches;
+use crate::dds::wire::{HEADER, Payload, Writer};
 
 /// How long to wait, when a port closes, for its last samples to arrive.
 const FAREWELL: Duration = Duration::from_millis(100);

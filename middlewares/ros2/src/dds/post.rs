@@ -9,8 +9,9 @@ use std::time::Duration;
 
 use rustdds::{GUID, RTPSEntity};
 
-use crate::meetings;
-use crate::wire::Writer;
+use crate::dds::meetings;
+use crate::dds::wire::Writer;
+use crate::rmw::Target;
 
 /// Greatest number of waiting messages; the oldest are dropped.
 const MOST: usize = 256;
@@ -24,20 +25,10 @@ pub(crate) fn prefix(of: &GUID) -> Prefix {
     prefix
 }
 
-/// The recipient of a message.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Target {
-    Reader(GUID),
-    /// Any reader of the topic in that participant.
-    Participant(Prefix),
-}
-
-impl Target {
-    fn is(self, reader: &GUID) -> bool {
-        match self {
-            Self::Reader(wanted) => *reader == wanted,
-            Self::Participant(wanted) => prefix(reader) == wanted,
-        }
+fn is(target: Target, reader: &GUID) -> bool {
+    match target {
+        Target::End(wanted) => reader.to_bytes() == wanted,
+        Target::Beside(wanted) => prefix(reader) == prefix(&GUID::from_bytes(wanted)),
     }
 }
 
@@ -86,7 +77,7 @@ impl Matches {
     }
 
     fn reaches(&self, writer: &GUID, to: Target) -> bool {
-        self.lock().readers.get(writer).into_iter().flatten().any(|reader| to.is(reader))
+        self.lock().readers.get(writer).into_iter().flatten().any(|reader| is(to, reader))
     }
 }
 
@@ -115,6 +106,11 @@ impl Post {
 
     pub(crate) fn guid(&self) -> GUID {
         self.writer.guid()
+    }
+
+    /// Writes a message to whoever is connected.
+    pub(crate) fn now(&self, letter: Letter) {
+        letter(&self.writer);
     }
 
     /// Writes a message as soon as its recipient is connected.
@@ -156,9 +152,10 @@ impl Post {
     /// Drops the messages to readers that are gone.
     fn lost(&self, gone: impl Fn(&GUID) -> bool) {
         let mut waiting = self.lock();
-        let (given_up, rest) = std::mem::take(&mut *waiting)
-            .into_iter()
-            .partition::<VecDeque<_>, _>(|(to, _)| matches!(to, Target::Reader(of) if gone(of)));
+        let (given_up, rest) =
+            std::mem::take(&mut *waiting).into_iter().partition::<VecDeque<_>, _>(
+                |(to, _)| matches!(to, Target::End(of) if gone(&GUID::from_bytes(*of))),
+            );
         *waiting = rest;
         // Dropped after releasing the lock: dropping a letter may use this post.
         drop(waiting);

@@ -1,0 +1,66 @@
+//! What is ROS on every middleware: names, namespaces and types of ports and services.
+
+use std::sync::Arc;
+
+use genom_middleware::describe::type_of_port;
+use genom_middleware::{Address, EndpointKind, OpenError};
+use genom_types::DataType;
+
+use crate::error::BACKEND;
+use crate::masquerades::Masquerades;
+use crate::names;
+use crate::options::Options;
+use crate::rmw::{Named, Rmw, Wanted};
+
+/// Kept alive by services.
+pub(crate) struct Ros {
+    pub(crate) rmw: Arc<dyn Rmw>,
+    pub(crate) options: Options,
+    pub(crate) masquerades: Masquerades,
+}
+
+impl Ros {
+    pub(crate) fn new(rmw: Arc<dyn Rmw>, options: &Options) -> Arc<Self> {
+        let masquerades = Masquerades::new(options);
+        Arc::new(Self { rmw, options: options.clone(), masquerades })
+    }
+
+    /// The ROS name of an address without its leading slash, as messages and lists show it.
+    pub(crate) fn path(&self, at: &Address) -> String {
+        names::path(&self.options.namespace, at)
+    }
+
+    /// The address with the namespace in front.
+    pub(crate) fn full(&self, at: &Address) -> String {
+        match self.options.namespace.trim_matches('/') {
+            _ if at.instance.is_empty() => at.name.clone(),
+            "" => at.to_string(),
+            namespace => format!("{namespace}/{at}"),
+        }
+    }
+
+    pub(crate) fn port(
+        &self,
+        kind: EndpointKind,
+        at: &Address,
+        ty: &DataType,
+    ) -> Result<Wanted, OpenError> {
+        let message = self.masquerades.message(ty).map_err(|why| failed(at, why))?;
+        Ok(Wanted {
+            kind,
+            address: self.full(at),
+            types: type_of_port(ty),
+            digest: ty.digest().to_owned(),
+            of: Named { name: self.path(at), ty: message, hash: self.masquerades.hash(ty) },
+            node: match kind {
+                // The address is the writer's; which component reads is not known here.
+                EndpointKind::Subscription => names::own_node(),
+                _ => names::token(&at.instance),
+            },
+        })
+    }
+}
+
+pub(crate) fn failed(at: &Address, why: impl std::fmt::Display) -> OpenError {
+    OpenError::Failed { backend: BACKEND.to_owned(), address: at.clone(), why: why.to_string() }
+}
