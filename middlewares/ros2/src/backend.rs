@@ -10,9 +10,11 @@ use genom_middleware::{
 
 use crate::dds::Dds;
 use crate::error::{BACKEND, ParticipantError};
-use crate::options::Options;
+use crate::options::{Options, Rmw as Carrier};
+use crate::rmw::Rmw;
 use crate::ros::Ros;
 use crate::services::ServiceEnds;
+use crate::zenoh::Zenoh;
 
 /// One participant of a domain, with one ROS node per component instance.
 #[derive(Clone)]
@@ -28,7 +30,11 @@ impl Ros2 {
     /// An option is wrong, or the library below fails.
     pub fn open(options: &Options) -> Result<Arc<Self>, ParticipantError> {
         options.check()?;
-        let ros = Ros::new(Dds::open(options)?, options);
+        let rmw: Arc<dyn Rmw> = match options.rmw() {
+            Carrier::Dds => Dds::open(options)?,
+            Carrier::Zenoh => Zenoh::open(options)?,
+        };
+        let ros = Ros::new(rmw, options);
         let services = ServiceEnds::new(Arc::clone(&ros));
         Ok(Arc::new(Self { ros, services }))
     }
@@ -51,7 +57,11 @@ impl Backend for Ros2 {
     type Error = ParticipantError;
 
     fn check(options: &Options) -> Result<(), ParticipantError> {
-        Ok(options.check()?)
+        options.check()?;
+        if options.rmw() == Carrier::Zenoh {
+            crate::zenoh::check(options)?;
+        }
+        Ok(())
     }
 
     fn open(options: Options) -> Result<Arc<dyn Middleware>, ParticipantError> {

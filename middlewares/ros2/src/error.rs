@@ -22,6 +22,9 @@ pub enum ParticipantError {
         /// The library's message.
         why: CreateError,
     },
+    /// zenoh failed.
+    #[error("zenoh does not open: {0}")]
+    Zenoh(String),
     /// The system cannot start another thread.
     #[error("no thread for ROS 2: {0}")]
     Thread(#[from] std::io::Error),

@@ -1,7 +1,7 @@
-//! Ports, services and activities as ROS 2 topics, services and actions.
+//! Ports, services and activities as ROS 2 topics, services and actions, over DDS or zenoh.
 //!
-//! `rmw` is the interface between what is ROS (names, types, hashes, actions, parameters) and `dds`,
-//! which carries it.
+//! `rmw` is the interface between what is ROS (names, types, hashes, actions, parameters) and what
+//! carries it: `dds` and `zenoh` implement it.
 //!
 //! **Names.** Port `position` of instance `demo` is the topic `/demo/position` (DDS:
 //! `rt/demo/position`), below a namespace if one is configured; an instance is a node. Characters
@@ -31,6 +31,15 @@
 //! {detail}` if the response has these two members (a service without outputs gets them for
 //! `SetBool` and `Trigger`). Otherwise a service does not reply, which is logged, and an action
 //! ends ABORTED. Feedback that is not a single string is not sent.
+//!
+//! **zenoh.** All as `rmw_zenoh_cpp` does it (ROS 2 Jazzy and later): topics and services are keys
+//! `<domain>/<name>/<type>/<hash>`, each node and end has a liveliness token, and samples, requests
+//! and replies carry number, time and gid. Ends of one name connect if type and hash are the same;
+//! quality of service keeps none apart. Out ports keep their last value for all who ask for it:
+//! nodes that request transient local, and in ports of daemons. Daemons tell each other full types
+//! and digests by further tokens, `@genom_ros2/..`, so that types of equal members connect whatever
+//! their names are. A killed daemon is gone from ROS's lists at once. Where no router runs, this
+//! process is one. The rest of this page is about DDS.
 //!
 //! **Discovery.** DDS announces topics and names of types. Daemons also announce to each other, on
 //! the topic `genom_discovery_info`, the full types and digests of their ends, so that different
@@ -66,7 +75,8 @@ mod runs;
 mod server;
 mod services;
 mod within;
+mod zenoh;
 
 pub use backend::Ros2;
 pub use error::ParticipantError;
-pub use options::{Networks, Options, OptionsError, Qos, ServiceMapping};
+pub use options::{Networks, Options, OptionsError, Qos, Rmw, ServiceMapping, ZenohOptions};

@@ -11,7 +11,7 @@ use genom_rosidl::TypeName;
 use serde::de::{Error as _, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use crate::dds::Limits;
+use crate::dds::guard::Limits;
 use crate::names;
 
 /// Greatest domain whose UDP ports are below 65536 (RTPS 9.6.1.1).
@@ -106,15 +106,49 @@ impl Qos {
     }
 }
 
+/// What carries ROS.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum Rmw {
+    /// DDS, as for `rmw_fastrtps` and `rmw_cyclonedds`.
+    Dds,
+    /// zenoh, as for `rmw_zenoh`.
+    Zenoh,
+}
+
+/// Section `[backends.ros2.zenoh]` of the configuration: the session where `rmw` is `zenoh`.
+#[derive(Clone, Debug, Deserialize, PartialEq, Eq)]
+#[serde(default, deny_unknown_fields)]
+pub struct ZenohOptions {
+    /// Whether this process is the router of the machine while no other process is. Nodes find
+    /// each other through it.
+    pub router: bool,
+    /// Endpoints to connect to. `None`: those of `ZENOH_SESSION_CONFIG_URI` and
+    /// `ZENOH_CONFIG_OVERRIDE`, or the router of this machine, `tcp/localhost:7447`.
+    pub connect: Option<Vec<String>>,
+    /// Endpoints to listen on. `None`: those of the two variables, or `tcp/localhost:0`.
+    pub listen: Option<Vec<String>>,
+}
+
+impl Default for ZenohOptions {
+    fn default() -> Self {
+        Self { router: true, connect: None, listen: None }
+    }
+}
+
 /// Section `[backends.ros2]` of the configuration; `configs/ros2.toml` explains it. The defaults
 /// stay within this machine.
 #[derive(Clone, Debug, Deserialize, PartialEq, Eq)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// The DDS domain; participants of other domains are not seen. `None`: `ROS_DOMAIN_ID`, or 0.
+    /// What carries ROS: `dds` or `zenoh`. `None`: zenoh if `RMW_IMPLEMENTATION` is
+    /// `rmw_zenoh_cpp`, otherwise DDS.
+    pub rmw: Option<Rmw>,
+    /// The ROS domain; participants of other domains are not seen. `None`: `ROS_DOMAIN_ID`, or 0.
     pub domain: Option<u16>,
-    /// Which network interfaces may be used. `None`: what `ROS_LOCALHOST_ONLY` and
-    /// `ROS_AUTOMATIC_DISCOVERY_RANGE` say, or only this machine, which differs from ROS.
+    /// Which network interfaces may be used; on zenoh, by a router of this process. `None`: what
+    /// `ROS_LOCALHOST_ONLY` and `ROS_AUTOMATIC_DISCOVERY_RANGE` say, or only this machine, which
+    /// differs from ROS.
     pub networks: Option<Networks>,
     /// Prefix of all names: `lab/arm` makes `/lab/arm/demo/position`.
     pub namespace: String,
@@ -122,6 +156,8 @@ pub struct Options {
     pub services: ServiceMapping,
     /// Quality of service of ports.
     pub qos: Qos,
+    /// The session where `rmw` is `zenoh`.
+    pub zenoh: ZenohOptions,
     /// Whether attributes with a single plain value are also parameters.
     pub parameters: bool,
     /// ROS types of equal structure as which IDL types and services masquerade: `::demo::pose` as
@@ -145,6 +181,8 @@ impl Default for Options {
     fn default() -> Self {
         let Limits { sample, participants, silence } = Limits::default();
         Self {
+            rmw: None,
+            zenoh: ZenohOptions::default(),
             domain: None,
             networks: None,
             namespace: String::new(),
@@ -184,6 +222,14 @@ pub enum OptionsError {
     /// A namespace that is not valid in ROS.
     #[error("namespace = `{0}`: ROS wants names of letters, digits and _ with / between them")]
     Namespace(String),
+    /// zenoh does not take a setting.
+    #[error("{key}: {why}")]
+    Zenoh {
+        /// The setting, or the variable with its value.
+        key: String,
+        /// The library's message.
+        why: String,
+    },
     /// The name of the foreign type is not valid.
     #[error("masquerade: {ty} cannot go as `{name}`: write package/msg/Type")]
     Masquerade {
@@ -208,6 +254,14 @@ impl Options {
         let wrong = self.masquerade.iter().find(|(_, name)| TypeName::parse(name).is_none());
         wrong.map_or(Ok(()), |(ty, name)| {
             Err(OptionsError::Masquerade { ty: ty.clone(), name: name.clone() })
+        })
+    }
+
+    /// What carries ROS, by the options and the environment.
+    pub(crate) fn rmw(&self) -> Rmw {
+        self.rmw.unwrap_or_else(|| match std::env::var("RMW_IMPLEMENTATION").as_deref() {
+            Ok("rmw_zenoh_cpp") => Rmw::Zenoh,
+            _ => Rmw::Dds,
         })
     }
 

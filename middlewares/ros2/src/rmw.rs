@@ -1,6 +1,6 @@
 //! What ROS stands on, as in ROS itself an `rmw`: above are names, types, hashes, actions,
 //! parameters and masquerades; below are topics and services whose bodies are bytes, and what is
-//! known of others. DDS implements it.
+//! known of others. DDS and zenoh each implement it.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -75,6 +75,13 @@ pub(crate) enum Target {
 pub(crate) enum EndError {
     #[error(transparent)]
     Dds(#[from] CreateError),
+    #[error("{0}")]
+    Zenoh(#[from] zenoh::Error),
+    #[error(
+        "{0} has no type hash, by which ROS nodes on zenoh recognise it: `genomctl ros2-package` \
+         says what ROS lacks"
+    )]
+    NoHash(TypeName),
 }
 
 /// Called for each request, with where its reply goes, and its message.

@@ -1,8 +1,15 @@
 //! One daemon with both ends of a port or a service.
 
-#![allow(clippy::expect_used, clippy::panic, reason = "test code, also outside of test functions")]
+#![allow(
+    clippy::expect_used,
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "test code, also outside of test functions"
+)]
 
 mod world;
+#[path = "world/zenoh.rs"]
+mod zenoh_world;
 
 use genom_conformance::{World, eventually, samples};
 use std::sync::Arc;
@@ -15,10 +22,19 @@ use genom_middleware::{
 use genom_ros2::ServiceMapping;
 use genom_types::Record;
 use world::Domain;
+use zenoh_world::Place;
 
 #[test]
 fn both_ends_of_a_port_may_be_in_one_daemon() {
-    let world = Domain::new(ServiceMapping::Cyclone);
+    both_ends_of_a_port(&Domain::new(ServiceMapping::Cyclone));
+}
+
+#[test]
+fn both_ends_of_a_port_may_be_in_one_daemon_over_zenoh() {
+    both_ends_of_a_port(&Place::new());
+}
+
+fn both_ends_of_a_port(world: &dyn World) {
     let alone = world.join();
     let (at, ty) = (Address::new("demo", "position"), samples::state());
     let mut reader = alone.subscription(&PortSpec::new(&at, &ty), Policy::Latest).unwrap();

@@ -1,15 +1,20 @@
 //! ROS 2 does not affect real-time threads.
 
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "test code")]
+
 mod world;
+#[path = "world/zenoh.rs"]
+mod zenoh_world;
 
 use genom_allocations as allocations;
 use genom_conformance::eventually;
 use genom_conformance::ports::grown_in_ticks;
 use genom_conformance::samples::{number, numbered, state};
 use genom_middleware::{Address, Policy, PortSpec, Ports, Reading};
-use genom_ros2::ServiceMapping;
+use genom_ros2::{Ros2, ServiceMapping};
 use genom_types::Record;
 use world::Domain;
+use zenoh_world::Place;
 
 fn position() -> Address {
     Address::new("demo", "position")
@@ -18,7 +23,16 @@ fn position() -> Address {
 #[test]
 fn writing_and_reading_fixed_types_allocates_nothing() {
     let domain = Domain::new(ServiceMapping::Enhanced);
-    let (a, b) = (domain.open(), domain.open());
+    allocates_nothing(&domain.open(), &domain.open());
+}
+
+#[test]
+fn writing_and_reading_over_zenoh_allocates_nothing_either() {
+    let place = Place::new();
+    allocates_nothing(&place.open(), &place.open());
+}
+
+fn allocates_nothing(a: &Ros2, b: &Ros2) {
     let mut writer = a.publisher(&PortSpec::new(&position(), &state())).unwrap();
     let reader = b.subscription(&PortSpec::new(&position(), &state()), Policy::Latest).unwrap();
     assert_eq!(grown_in_ticks(&mut *writer, &mut [reader], allocations::count), 0);
@@ -27,7 +41,16 @@ fn writing_and_reading_fixed_types_allocates_nothing() {
 #[test]
 fn a_stalled_network_holds_up_no_writer_and_the_newest_sample_arrives() {
     let domain = Domain::new(ServiceMapping::Enhanced);
-    let (a, b) = (domain.open(), domain.open());
+    is_not_held_up(&domain.open(), &domain.open());
+}
+
+#[test]
+fn a_stalled_zenoh_holds_up_no_writer_either() {
+    let place = Place::new();
+    is_not_held_up(&place.open(), &place.open());
+}
+
+fn is_not_held_up(a: &Ros2, b: &Ros2) {
     let mut writer = a.publisher(&PortSpec::new(&position(), &state())).unwrap();
     let mut reader =
         b.subscription(&PortSpec::new(&position(), &state()), Policy::Ring(64)).unwrap();

@@ -6,7 +6,7 @@ mod farewell;
 mod feed;
 mod feeds;
 mod graph;
-mod guard;
+pub(crate) mod guard;
 mod hook;
 mod info;
 mod meetings;
@@ -43,8 +43,6 @@ use crate::rmw::{
 
 use channel::{Caller, Names, Server};
 use graph::Made;
-
-pub(crate) use guard::Limits;
 
 /// ROS 2 over DDS.
 pub(crate) struct Dds(Arc<core::Core>);

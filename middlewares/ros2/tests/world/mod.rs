@@ -9,7 +9,7 @@ use std::sync::Arc;
 use genom_components::peer::Lines;
 use genom_conformance::World;
 use genom_middleware::Middleware;
-use genom_ros2::{Options, Ros2, ServiceMapping};
+use genom_ros2::{Options, Rmw, Ros2, ServiceMapping};
 
 /// UDP ports of domains above this one are in the range of ephemeral ports.
 const LAST: u16 = 101;
@@ -42,7 +42,12 @@ impl Domain {
     }
 
     pub(crate) fn options(&self) -> Options {
-        Options { domain: Some(self.number), services: self.services, ..Options::default() }
+        Options {
+            rmw: Some(Rmw::Dds),
+            domain: Some(self.number),
+            services: self.services,
+            ..Options::default()
+        }
     }
 
     /// Starts a foreign DDS peer: `peer.py` with these arguments.

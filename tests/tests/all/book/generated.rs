@@ -83,6 +83,7 @@ const SECTIONS: &[Section] = &[
     section("[backends.zenoh.tls]", "middlewares/zenoh/src/options.rs", "Tls", &["none"]),
     section("[backends.ros2]", "middlewares/ros2/src/options.rs", "Options", &["none"]),
     section("[backends.ros2.qos]", "middlewares/ros2/src/options.rs", "Qos", &["none"]),
+    section("[backends.ros2.zenoh]", "middlewares/ros2/src/options.rs", "ZenohOptions", &["none"]),
 ];
 
 /// The keys that genomd takes in a section: those that it names when it is given another one.

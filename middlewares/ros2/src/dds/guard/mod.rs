@@ -20,6 +20,7 @@ mod peers;
 mod pieces;
 mod tally;
 #[cfg(test)]
+#[path = "../../../tests/unit/guard.rs"]
 mod tests;
 
 use std::net::IpAddr;

@@ -1,6 +1,6 @@
 //! Which messages pass and which do not, byte by byte.
 
-#[path = "../../../../../tests/src/siege/forger.rs"]
+#[path = "../../../../tests/src/siege/forger.rs"]
 mod forger;
 
 use std::net::IpAddr;

@@ -1,0 +1,205 @@
+//! The in ports of this daemon, and where their samples arrive.
+
+use std::collections::HashMap;
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex, Weak};
+use std::time::Instant;
+
+use zenoh::key_expr::OwnedKeyExpr;
+use zenoh::sample::{Sample, SampleKind};
+use zenoh::{Session, Wait};
+use zenoh_ext::{AdvancedSubscriber, AdvancedSubscriberBuilderExt, HistoryConfig};
+
+use super::attachment::Attachment;
+use super::graph::Graph;
+use super::keys;
+use crate::complaints::BETWEEN_LINES;
+use crate::inbox::{Inbox, Message};
+use crate::lock::lock;
+use crate::rmw::Gid;
+
+/// Number of writers whose last numbers are remembered.
+const MANY: usize = 256;
+
+/// An in port. It reads the key of its type and, since types of equal members may have other names
+/// in other daemons, the keys of those of their writers that it can read.
+pub(crate) struct Reader {
+    domain: u16,
+    name: String,
+    digest: String,
+    arrivals: Arc<Arrivals>,
+    subscribers: Mutex<HashMap<OwnedKeyExpr, AdvancedSubscriber<()>>>,
+}
+
+/// Filled by zenoh's callbacks.
+struct Arrivals {
+    name: String,
+    inbox: Arc<Inbox>,
+    gate: Mutex<Gate>,
+}
+
+#[derive(Default)]
+struct Gate {
+    /// Number of the last sample of each writer.
+    last: HashMap<Gid, i64>,
+    /// An unused message, kept for its memory.
+    spare: Option<Message>,
+    /// Number of undecodable samples when the last line was logged, and when that was.
+    logged: (u64, Option<Instant>),
+}
+
+impl Gate {
+    /// Whether a sample is new; with the number of those that were lost before it.
+    fn admit(&mut self, Attachment { number, gid }: Attachment) -> Option<u64> {
+        if self.last.len() >= MANY && !self.last.contains_key(&gid) {
+            self.last.clear();
+        }
+        let last = self.last.insert(gid, number);
+        let Some(last) = last else { return Some(0) };
+        if number <= last {
+            self.last.insert(gid, last);
+            return None;
+        }
+        // A peer may send any number.
+        let missing = number.saturating_sub(last).saturating_sub(1);
+        Some(u64::try_from(missing).unwrap_or(0).min(u64::from(u32::MAX)))
+    }
+}
+
+impl Arrivals {
+    fn arrive(&self, sample: &Sample) {
+        if sample.kind() != SampleKind::Put {
+            return;
+        }
+        let mut gate = lock(&self.gate);
+        // Without an attachment, as plain zenoh programs send it, all samples are new.
+        if let Some(attachment) = Attachment::decode(sample.attachment()) {
+            let Some(missing) = gate.admit(attachment) else { return };
+            if missing > 0 {
+                self.inbox.missing.fetch_add(missing, Ordering::Relaxed);
+            }
+        }
+        let mut message = gate.spare.take().unwrap_or_default();
+        let buffer = Arc::make_mut(&mut message);
+        buffer.clear();
+        sample.payload().slices().for_each(|part| buffer.extend_from_slice(part));
+        // The gate is still locked, so there is one producer at a time.
+        let old = self.inbox.put(&message);
+        gate.spare = old.filter(|old| Arc::strong_count(old) == 1);
+        gate.report(self);
+    }
+}
+
+impl Gate {
+    fn report(&mut self, of: &Arrivals) {
+        let samples = of.inbox.undecodable.load(Ordering::Relaxed);
+        let (logged, line) = self.logged;
+        if samples == logged || line.is_some_and(|line| line.elapsed() < BETWEEN_LINES) {
+            return;
+        }
+        self.logged = (samples, Some(Instant::now()));
+        tracing::warn!(topic = %of.name, samples, "samples cannot be decoded");
+    }
+}
+
+impl Reader {
+    /// Reads this key, and further ones as soon as they are known.
+    pub(crate) fn open(
+        session: &Session,
+        (domain, name, digest): (u16, &str, &str),
+        key: OwnedKeyExpr,
+        inbox: &Arc<Inbox>,
+    ) -> zenoh::Result<Arc<Self>> {
+        let (name, inbox) = (name.to_owned(), Arc::clone(inbox));
+        let arrivals = Arrivals { name: name.clone(), inbox, gate: Mutex::default() };
+        let reader = Arc::new(Self {
+            domain,
+            name,
+            digest: digest.to_owned(),
+            arrivals: Arc::new(arrivals),
+            subscribers: Mutex::default(),
+        });
+        let mut subscribers = lock(&reader.subscribers);
+        reader.read(session, key, &mut subscribers)?;
+        drop(subscribers);
+        Ok(reader)
+    }
+
+    fn read(
+        &self,
+        session: &Session,
+        key: OwnedKeyExpr,
+        subscribers: &mut HashMap<OwnedKeyExpr, AdvancedSubscriber<()>>,
+    ) -> zenoh::Result<()> {
+        if subscribers.contains_key(&key) {
+            return Ok(());
+        }
+        let arrivals = Arc::clone(&self.arrivals);
+        let subscriber = session
+            .declare_subscriber(key.clone())
+            .callback(move |sample| arrivals.arrive(&sample))
+            // Writers that keep their last value send it: all of daemons, and of ROS nodes those
+            // that are transient local.
+            .history(HistoryConfig::default().detect_late_publishers().max_samples(1))
+            .subscriber_detection()
+            .wait()?;
+        subscribers.insert(key, subscriber);
+        Ok(())
+    }
+
+    /// Reads further keys of known writers.
+    pub(crate) fn follow(&self, session: &Session, graph: &Graph) {
+        let equals = graph.equals(&self.name, &self.digest);
+        let mut subscribers = lock(&self.subscribers);
+        for (ty, hash) in equals {
+            let key = keys::of_found(self.domain, &self.name, &ty, &hash);
+            if let Err(error) = key.and_then(|key| self.read(session, key, &mut subscribers)) {
+                tracing::warn!(topic = %self.name, %error, "a writer cannot be read");
+            }
+        }
+    }
+}
+
+/// The in ports of this daemon, by topic.
+#[derive(Default)]
+pub(crate) struct Readers(Mutex<HashMap<String, Vec<Weak<Reader>>>>);
+
+impl Readers {
+    pub(crate) fn add(&self, reader: &Arc<Reader>) {
+        let mut all = lock(&self.0);
+        all.retain(|_, readers| {
+            readers.retain(|reader| reader.strong_count() > 0);
+            !readers.is_empty()
+        });
+        all.entry(reader.name.clone()).or_default().push(Arc::downgrade(reader));
+    }
+
+    /// The in ports of a topic.
+    pub(crate) fn of(&self, name: &str) -> Vec<Arc<Reader>> {
+        lock(&self.0).get(name).into_iter().flatten().filter_map(Weak::upgrade).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_are_taken_once_and_those_between_are_counted_by_writer() {
+        let mut gate = Gate::default();
+        let mut admit = |gid: u8, number| gate.admit(Attachment { number, gid: [gid; 16] });
+        assert_eq!(admit(1, 7), Some(0), "what came before a reader is no loss of it");
+        assert_eq!(admit(1, 7), None);
+        assert_eq!(admit(1, 8), Some(0));
+        assert_eq!(admit(2, 3), Some(0));
+        assert_eq!(admit(1, 11), Some(2));
+        assert_eq!(admit(1, 10), None);
+        assert_eq!(admit(1, i64::MAX), Some(u64::from(u32::MAX)));
+        assert_eq!(admit(3, i64::MIN), Some(0));
+        assert_eq!(admit(3, i64::MAX), Some(u64::from(u32::MAX)));
+        for gid in 0..=255u8 {
+            admit(gid, 1);
+        }
+        assert!(gate.last.len() <= MANY);
+    }
+}

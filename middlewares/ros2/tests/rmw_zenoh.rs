@@ -1,0 +1,467 @@
+//! The mode `zenoh` together with a node that speaks as `rmw_zenoh_cpp` does, made independently on
+//! plain zenoh (`rmw_zenoh.py`). Hashes are those that ROS 2 Jazzy publishes.
+
+#![allow(
+    clippy::expect_used,
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "test code, also outside of test functions"
+)]
+
+#[path = "world/zenoh.rs"]
+mod world;
+
+use std::io::Read as _;
+use std::process::{Command, Stdio};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use genom_components::peer::Peer;
+use genom_conformance::eventually;
+use genom_conformance::samples::basic;
+use genom_middleware::{
+    ActivityId, Address, CallError, Discovery, EndpointKind, OpenError, Outcome, Policy, PortSpec,
+    Ports, Quality, Reading, Replies, ServiceHandler, ServiceKind, ServiceType, Services,
+};
+use genom_ros2::{Options, Ros2};
+use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeId, TypeTable};
+use serde_json::{Value, json};
+use world::Place;
+
+const FLOAT: &str = "std_msgs::msg::dds_::Float64_";
+const FLOAT_HASH: &str = "RIHS01_705ba9c3d1a09df43737eb67095534de36fd426c0587779bda2bc51fe790182a";
+const TRIGGER: &str = "std_srvs::srv::dds_::Trigger_";
+const TRIGGER_HASH: &str =
+    "RIHS01_eeff2cd6fa5ad9d27cdf4dec64818317839b62f212a91e6b5304b634b2062c5f";
+const FIBONACCI: &str = "test_msgs::action::dds_::Fibonacci_";
+
+/// Starts a node; with `router`, it is the router as well.
+fn node(place: &Place, router: bool) -> Peer {
+    let packages = ["eclipse-zenoh==1.10.2", "xxhash==3.5.0"];
+    let python = genom_components::python::environment(&packages)
+        .unwrap_or_else(|error| panic!("the peer in Python cannot be had: {error}"));
+    let mut command = Command::new(python);
+    command.arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/rmw_zenoh.py")).arg(place.router());
+    command.args(router.then_some("router"));
+    Peer::start(&mut command)
+}
+
+fn speed() -> Address {
+    Address::new("demo", "speed")
+}
+
+fn double() -> DataType {
+    basic(Kind::Double)
+}
+
+/// A `Float64` in CDR.
+fn float(value: f64) -> String {
+    let bytes = [&[0, 1, 0, 0][..], &value.to_le_bytes()].concat();
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn record(ty: &DataType, value: &Value) -> Record {
+    let mut record = Record::new(ty);
+    record.merge_json(value).unwrap();
+    record
+}
+
+fn value(n: f64) -> Record {
+    let mut record = Record::new(&double());
+    record.set_bytes(&n.to_ne_bytes()).unwrap();
+    record
+}
+
+fn read_of(record: &Record) -> f64 {
+    f64::from_ne_bytes(record.bytes().unwrap().try_into().unwrap())
+}
+
+#[test]
+fn a_node_reads_a_port_and_every_sample_has_its_number_and_the_gid_of_the_port() {
+    let place = Place::new();
+    let ros2 = place.open();
+    let mut writer = ros2.publisher(&PortSpec::new(&speed(), &double())).unwrap();
+    let mut node = node(&place, false);
+    assert_eq!(node.ask(&json!(["read", "/demo/speed", FLOAT, FLOAT_HASH, false])), "ready");
+    let ends = node.ask(&json!(["there", "/MP/%/%/demo/%demo%speed/"]));
+    let (token, gid) = ends.as_object().unwrap().iter().next().unwrap();
+    assert!(token.ends_with(&format!("/{FLOAT}/{FLOAT_HASH}/::,16:,:,:,,")), "{token}");
+    let nodes = node.ask(&json!(["there", "/NN/%/%/demo"]));
+    assert_eq!(nodes.as_object().unwrap().len(), 1);
+    // It is connected when the first sample arrives.
+    let mut first = 0;
+    for n in 1..20 {
+        writer.publish(&value(f64::from(n))).unwrap();
+        let sample = node.ask(&json!(["sample", "/demo/speed"]));
+        assert_eq!((&sample["body"], &sample["size"]), (&json!(float(f64::from(n))), &json!(33)));
+        assert_eq!((&sample["gid"], &sample["recent"]), (gid, &json!(true)));
+        let number = sample["number"].as_i64().unwrap();
+        first = if n == 1 { number } else { first };
+        assert_eq!(number, first + i64::from(n) - 1);
+    }
+    drop(writer);
+    assert_eq!(node.ask(&json!(["gone", "/MP/%/%/demo/"])), "gone");
+    assert_eq!(node.ask(&json!(["gone", "/NN/%/%/demo"])), "gone");
+}
+
+#[test]
+fn a_port_reads_what_a_node_writes_and_counts_what_was_lost() {
+    let place = Place::new();
+    let ros2 = place.open();
+    let mut reader =
+        ros2.subscription(&PortSpec::new(&speed(), &double()), Policy::Queue(8)).unwrap();
+    let mut node = node(&place, false);
+    node.ask(&json!(["there", "/MS/"]));
+    node.ask(&json!(["write", "/demo/speed", FLOAT, FLOAT_HASH, false]));
+    let mut got = Record::new(&double());
+    for n in 1..9 {
+        let n = f64::from(n);
+        node.ask(&json!(["put", "/demo/speed", float(n)]));
+        eventually("the sample arrives", || reader.read(&mut got).unwrap() == Reading::New);
+        assert_eq!(read_of(&got), n);
+    }
+    let seen = ros2.discover().unwrap();
+    let theirs = |end: &&genom_middleware::Endpoint| end.kind == EndpointKind::Publisher;
+    let theirs: Vec<_> = seen.iter().filter(theirs).collect();
+    assert_eq!(theirs.len(), 1, "{seen:?}");
+    let end = (theirs[0].address.as_str(), theirs[0].ty.as_str());
+    assert_eq!(end, ("demo/speed", "std_msgs/msg/Float64"));
+    assert_eq!(reader.dropped(), 0);
+    node.ask(&json!(["put", "/demo/speed", float(9.0), 3]));
+    eventually("the sample arrives", || reader.read(&mut got).unwrap() == Reading::New);
+    assert_eq!((read_of(&got), reader.dropped()), (9.0, 3));
+    // A program that is no ROS node attaches nothing.
+    node.ask(&json!(["plain", "/demo/speed", FLOAT, FLOAT_HASH, float(10.0)]));
+    eventually("the sample arrives", || reader.read(&mut got).unwrap() == Reading::New);
+    assert_eq!((read_of(&got), reader.dropped()), (10.0, 3));
+}
+
+#[test]
+fn late_readers_get_the_last_value_both_ways_if_it_is_transient_local() {
+    let place = Place::new();
+    let ros2 = place.open();
+    let mut node = node(&place, false);
+    let quality = Quality { transient_local: Some(true), ..Quality::default() };
+    let at = speed();
+    let mut writer = ros2.publisher(&PortSpec::new(&at, &double()).of(quality)).unwrap();
+    for n in 1..30 {
+        writer.publish(&value(f64::from(n))).unwrap();
+    }
+    node.ask(&json!(["there", "/%demo%speed/"]));
+    node.ask(&json!(["read", "/demo/speed", FLOAT, FLOAT_HASH, true]));
+    let mut last = Value::Null;
+    while last != json!(float(29.0)) {
+        last = node.ask(&json!(["sample", "/demo/speed"]))["body"].clone();
+    }
+    node.ask(&json!(["write", "/demo/height", FLOAT, FLOAT_HASH, true]));
+    for n in 1..4 {
+        node.ask(&json!(["put", "/demo/height", float(f64::from(n))]));
+    }
+    let at = Address::new("demo", "height");
+    let mut late = ros2.subscription(&PortSpec::new(&at, &double()), Policy::Latest).unwrap();
+    let mut got = Record::new(&double());
+    eventually("the last value arrives", || late.read(&mut got).unwrap() == Reading::New);
+    assert_eq!((read_of(&got), late.dropped()), (3.0, 0));
+}
+
+type Make = fn(&mut TypeTable) -> TypeId;
+
+/// `::demo::SERVICE::input` or `output`.
+fn part(service: &str, part: &str, members: &[(&str, Make)]) -> DataType {
+    let mut table = TypeTable::default();
+    let member =
+        |(name, make): &(&str, Make)| Member { name: (*name).to_owned(), ty: make(&mut table) };
+    let members = members.iter().map(member).collect();
+    let name = ScopedName::new(["demo", service, part]);
+    let id = table.add(Kind::Struct { name, members });
+    DataType::new(&Arc::new(table), id).unwrap()
+}
+
+fn reset() -> ServiceType {
+    let (input, output) = (part("reset", "input", &[]), part("reset", "output", &[]));
+    ServiceType::new(ServiceKind::Function, input, output)
+}
+
+fn count() -> ServiceType {
+    const LONG: Make = |table| table.add(Kind::Long);
+    const LONGS: Make = |table| {
+        let element = table.add(Kind::Long);
+        table.add(Kind::Sequence { element, bound: Some(64) })
+    };
+    let input = part("count", "input", &[("most", LONG)]);
+    let output = part("count", "output", &[("numbers", LONGS)]);
+    ServiceType::new(ServiceKind::Activity, input, output)
+}
+
+fn masquerading(place: &Place) -> Arc<Ros2> {
+    let masquerade = [
+        ("::demo::reset", "std_srvs/srv/Trigger"),
+        ("::demo::count", "test_msgs/action/Fibonacci"),
+    ];
+    let masquerade = masquerade.map(|(ours, ros)| (ours.to_owned(), ros.to_owned()));
+    Ros2::open(&Options { masquerade: masquerade.into(), ..place.options() }).unwrap()
+}
+
+/// Does what it is asked once, and refuses the next request.
+#[derive(Default)]
+struct Once(Mutex<u32>);
+
+impl ServiceHandler for Once {
+    fn request(&self, _: Record, replies: Box<dyn Replies>) {
+        let mut calls = self.0.lock().unwrap();
+        *calls += 1;
+        replies.finish(if *calls == 1 {
+            Outcome::Success(Record::new(&reset().output))
+        } else {
+            Outcome::Exception { name: "::demo::TOO_FAR".to_owned(), detail: json!({"by": 3}) }
+        });
+    }
+
+    fn cancel(&self, _: ActivityId) {}
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// A response of `Trigger` in CDR.
+fn triggered(success: bool, message: &str) -> String {
+    let length = u32::try_from(message.len() + 1).unwrap().to_le_bytes();
+    let head = [0, 1, 0, 0, u8::from(success), 0, 0, 0];
+    hexadecimal(&[&head[..], &length, message.as_bytes(), &[0]].concat())
+}
+
+#[test]
+fn a_node_calls_a_service_and_gets_its_number_and_gid_back() {
+    let place = Place::new();
+    let ros2 = masquerading(&place);
+    let _served =
+        ros2.serve(&Address::new("demo", "reset"), &reset(), Arc::new(Once::default())).unwrap();
+    let mut node = node(&place, false);
+    node.ask(&json!(["client", "/demo/reset", TRIGGER, TRIGGER_HASH]));
+    // A request without members is one byte.
+    let mut call = || node.ask(&json!(["call", "/demo/reset", "0001000000"]));
+    let reply = call();
+    assert_eq!(reply["body"], triggered(true, ""));
+    assert_eq!((&reply["ours"], &reply["recent"]), (&json!(true), &json!(true)));
+    let reply = call();
+    assert_eq!(reply["body"], triggered(false, "::demo::TOO_FAR {\"by\":3}"));
+    assert_eq!(reply["ours"], true);
+}
+
+#[test]
+fn a_service_of_a_node_is_called_and_one_of_another_hash_is_refused_with_both_named() {
+    let place = Place::new();
+    let ros2 = masquerading(&place);
+    let at = Address::new("demo", "reset");
+    let mut node = node(&place, false);
+    node.ask(&json!(["serve", "/demo/reset", TRIGGER, TRIGGER_HASH, triggered(true, "done")]));
+    let mut client = ros2.client(&at, &reset()).unwrap();
+    for _ in 0..3 {
+        let outcome = client.call(&Record::new(&reset().input), Duration::from_secs(30));
+        assert!(matches!(outcome, Ok(Outcome::Success(_))), "{outcome:?}");
+    }
+    let other = "RIHS01_0000000000000000000000000000000000000000000000000000000000000000";
+    node.ask(&json!(["serve", "/other/reset", TRIGGER, other, triggered(true, "done")]));
+    let at = Address::new("other", "reset");
+    eventually("it is refused", || match ros2.client(&at, &reset()) {
+        Err(OpenError::TypeMismatch { theirs, .. }) => theirs.contains(other),
+        Err(error) => panic!("{error}"),
+        Ok(_) => false,
+    });
+    let at = Address::new("nobody", "reset");
+    let mut client = ros2.client(&at, &reset()).unwrap();
+    let outcome = client.call(&Record::new(&reset().input), Duration::from_millis(50));
+    assert!(matches!(outcome, Err(CallError::Nobody { .. })), "{outcome:?}");
+}
+
+/// Counts up to its input, at once.
+struct Counter;
+
+impl ServiceHandler for Counter {
+    fn request(&self, input: Record, mut replies: Box<dyn Replies>) {
+        let most = input.to_json()["most"].as_i64().unwrap();
+        replies.accepted(ActivityId(1));
+        let numbers: Vec<_> = (0..most).collect();
+        let output = record(&count().output, &json!({ "numbers": numbers }));
+        replies.finish(Outcome::Success(output));
+    }
+
+    fn cancel(&self, _: ActivityId) {}
+}
+
+#[test]
+fn a_node_has_an_action_run_by_the_services_and_topics_that_it_is_made_of() {
+    let place = Place::new();
+    let ros2 = masquerading(&place);
+    let _served = ros2.serve(&Address::new("demo", "count"), &count(), Arc::new(Counter)).unwrap();
+    let mut node = node(&place, false);
+    let of = |part: &str| FIBONACCI.replace("Fibonacci_", &format!("Fibonacci_{part}_"));
+    let path = |part: &str| format!("/demo/count/_action/{part}");
+    let parts = [
+        (
+            "send_goal",
+            of("SendGoal"),
+            "d807633803e38e164276573cd97e9fbd71e109c290bbf4cc312a0a1c9da7bbd9",
+        ),
+        (
+            "get_result",
+            of("GetResult"),
+            "5d30fdeb21d20e117aa5f36c7b4f0b6874f1a8cf7a9c038d58f1156c5737b209",
+        ),
+        (
+            "cancel_goal",
+            "action_msgs::srv::dds_::CancelGoal_".to_owned(),
+            "573d8b0a534451d7bc2ac8c5ffde8ac14b8593b7001175d0cd6516dcbeb8689a",
+        ),
+    ];
+    for (part, ty, hash) in &parts {
+        node.ask(&json!(["client", path(part), ty, format!("RIHS01_{hash}")]));
+    }
+    for (part, ty, hash) in [
+        (
+            "feedback",
+            of("FeedbackMessage"),
+            "37487bae8cea358366b97003c1ef1ca7ce7c08df36f9e8cca496624226aee64e",
+        ),
+        (
+            "status",
+            "action_msgs::msg::dds_::GoalStatusArray_".to_owned(),
+            "6c1684b00f177d37438febe6e709fc4e2b0d4248dca4854946f9ed8b30cda83e",
+        ),
+    ] {
+        let name = path(part).replace('/', "%");
+        let ends = node.ask(&json!(["there", format!("/MP/%/%/demo/{name}/{ty}/RIHS01_{hash}/")]));
+        assert_eq!(ends.as_object().unwrap().len(), 1);
+    }
+    let id = "0102030405060708090a0b0c0d0e0f10";
+    let goal = format!("00010000{id}04000000");
+    let accepted = node.ask(&json!(["call", path("send_goal"), goal]));
+    assert!(accepted["body"].as_str().unwrap().starts_with("0001000001"), "{accepted}");
+    assert_eq!(accepted["ours"], true);
+    let result = node.ask(&json!(["call", path("get_result"), format!("00010000{id}")]));
+    // Status 4, succeeded; then four numbers.
+    let body = "00010000040000000400000000000000010000000200000003000000";
+    assert_eq!(result["body"], body, "{result}");
+    // A reader that comes late gets the status of the goals.
+    let ty = "action_msgs::msg::dds_::GoalStatusArray_";
+    let hash = "RIHS01_6c1684b00f177d37438febe6e709fc4e2b0d4248dca4854946f9ed8b30cda83e";
+    node.ask(&json!(["read", path("status"), ty, hash, true]));
+    let status = node.ask(&json!(["sample", path("status")]));
+    let body = status["body"].as_str().unwrap();
+    assert!(body.starts_with(&format!("0001000001000000{id}")) && body.ends_with("04"), "{body}");
+}
+
+#[test]
+fn attributes_are_parameters_of_the_node() {
+    let place = Place::new();
+    let ros2 = place.open();
+    const DOUBLE: Make = |table| table.add(Kind::Double);
+    let input = part("get_speed", "input", &[]);
+    let output = part("get_speed", "output", &[("speed", DOUBLE)]);
+    let ty = ServiceType::new(ServiceKind::Attribute, input, output);
+    struct Speed(DataType);
+    impl ServiceHandler for Speed {
+        fn request(&self, _: Record, replies: Box<dyn Replies>) {
+            replies.finish(Outcome::Success(record(&self.0, &json!({"speed": 0.5}))));
+        }
+        fn cancel(&self, _: ActivityId) {}
+    }
+    let handler = Arc::new(Speed(ty.output.clone()));
+    let _served = ros2.serve(&Address::new("demo", "get_speed"), &ty, handler).unwrap();
+    let mut node = node(&place, false);
+    let list = "rcl_interfaces::srv::dds_::ListParameters_";
+    let hash = "RIHS01_3e6062bfbb27bfb8730d4cef2558221f51a11646d78e7bb30a1e83afac3aad9d";
+    node.ask(&json!(["client", "/demo/list_parameters", list, hash]));
+    // No prefixes, any depth.
+    let all = "00010000".to_owned() + &"00".repeat(16);
+    let reply = node.ask(&json!(["call", "/demo/list_parameters", all]));
+    let listed = hexadecimal(b"speed");
+    assert!(reply["body"].as_str().unwrap().contains(&listed), "{reply}");
+}
+
+/// Environment variable with the router of the process that is killed.
+const ROUTER: &str = "GENOM_ROS2_ZENOH_ROUTER";
+
+#[test]
+#[ignore = "is another process, which the next test starts"]
+fn writes_until_it_is_killed() {
+    let Ok(router) = std::env::var(ROUTER) else { return };
+    let ros2 = Ros2::open(&world::options(&router)).unwrap();
+    let mut writer = ros2.publisher(&PortSpec::new(&speed(), &double())).unwrap();
+    let served = Arc::new(Once::default());
+    let _served = ros2.serve(&Address::new("demo", "reset"), &reset(), served).unwrap();
+    writer.publish(&value(9.0)).unwrap();
+    // Ends with the test if it is not killed before.
+    let _ = std::io::stdin().read_to_end(&mut Vec::new());
+}
+
+#[test]
+fn a_killed_daemon_is_gone_from_the_lists_of_nodes_and_its_address_is_free() {
+    let place = Place::new();
+    let mut router = node(&place, true);
+    let ros2 = place.open();
+    let mut reader =
+        ros2.subscription(&PortSpec::new(&speed(), &double()), Policy::Latest).unwrap();
+    let mut writer = genom_conformance::again("writes_until_it_is_killed")
+        .env(ROUTER, place.router())
+        .stdin(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut got = Record::new(&double());
+    eventually("its sample arrives", || reader.read(&mut got).unwrap() == Reading::New);
+    assert_eq!(read_of(&got), 9.0);
+    router.ask(&json!(["there", "/MP/%/%/demo/%demo%speed/"]));
+    router.ask(&json!(["there", "/SS/%/%/demo/%demo%reset/"]));
+    let taken = ros2.publisher(&PortSpec::new(&speed(), &double()));
+    assert!(matches!(taken, Err(OpenError::Taken { .. })));
+    writer.kill().unwrap();
+    writer.wait().unwrap();
+    router.ask(&json!(["gone", "/%/%/demo/"]));
+    router.ask(&json!(["gone", "/NN/%/%/demo"]));
+    let mut next = None;
+    eventually("the address is free", || {
+        next = ros2.publisher(&PortSpec::new(&speed(), &double())).ok();
+        next.is_some()
+    });
+    next.unwrap().publish(&value(10.0)).unwrap();
+    eventually("the next writer is read", || reader.read(&mut got).unwrap() == Reading::New);
+    assert_eq!(read_of(&got), 10.0);
+}
+
+#[test]
+fn where_a_router_runs_this_process_is_none_and_becomes_it_when_that_one_is_gone() {
+    let place = Place::new();
+    let router = node(&place, true);
+    let ros2 = place.open();
+    let mut writer = ros2.publisher(&PortSpec::new(&speed(), &double())).unwrap();
+    let mut one = node(&place, false);
+    one.ask(&json!(["there", "/MP/%/%/demo/"]));
+    // Killed.
+    drop(router);
+    // Whoever comes now finds the others through this process.
+    let mut late = node(&place, false);
+    late.ask(&json!(["read", "/demo/speed", FLOAT, FLOAT_HASH, true]));
+    late.ask(&json!(["there", "/MP/%/%/demo/"]));
+    writer.publish(&value(7.0)).unwrap();
+    assert_eq!(late.ask(&json!(["sample", "/demo/speed"]))["body"], float(7.0));
+}
+
+#[test]
+fn tokens_and_samples_that_are_no_ones_do_no_harm() {
+    let place = Place::new();
+    let ros2 = place.open();
+    let mut reader =
+        ros2.subscription(&PortSpec::new(&speed(), &double()), Policy::Queue(8)).unwrap();
+    let mut node = node(&place, false);
+    node.ask(&json!(["there", "/MS/"]));
+    node.ask(&json!(["write", "/demo/speed", FLOAT, FLOAT_HASH, false]));
+    let mut got = Record::new(&double());
+    node.ask(&json!(["put", "/demo/speed", "0001"]));
+    eventually("it is refused", || reader.read(&mut got).is_err());
+    node.ask(&json!(["put", "/demo/speed", ""]));
+    eventually("it is refused", || reader.read(&mut got).is_err());
+    node.ask(&json!(["put", "/demo/speed", float(3.0), i64::MAX - 100]));
+    eventually("the sample arrives", || reader.read(&mut got).is_ok_and(|r| r == Reading::New));
+    assert_eq!(reader.dropped(), 2 + u64::from(u32::MAX));
+}
