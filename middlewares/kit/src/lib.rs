@@ -9,6 +9,7 @@
 
 pub mod bell;
 mod busy;
+pub mod complaints;
 pub mod index_ring;
 pub mod intake;
 pub mod lines;

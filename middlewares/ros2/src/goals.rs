@@ -4,12 +4,12 @@ use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, OnceLock, Weak};
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use genom_kit::complaints::Complaints;
 use genom_middleware::{
     ActivityId, CallError, Outcome, Replies, Served, ServiceHandler, ServiceType,
 };
 
 use crate::body::{self, CANCELED, Fields, GoalId, INTERRUPTED, SUCCEEDED, Style};
-use crate::complaints::Complaints;
 use crate::lock::lock;
 use crate::rmw::{Claim, Gid, Reply, Rmw, ServerEnd, TopicWriter};
 

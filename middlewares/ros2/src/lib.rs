@@ -51,12 +51,11 @@
 //! says why). They show a killed daemon for 50 seconds: the lease that RustDDS announces for every
 //! participant.
 
-#![deny(unsafe_code)]
+#![forbid(unsafe_code)]
 
 mod backend;
 mod body;
 mod client;
-mod complaints;
 mod dds;
 mod domain;
 mod error;

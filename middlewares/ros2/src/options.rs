@@ -8,10 +8,10 @@ use std::time::Duration;
 
 use genom_middleware::Quality;
 use genom_rosidl::TypeName;
+use genom_rtps_guard::Limits;
 use serde::de::{Error as _, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use crate::dds::guard::Limits;
 use crate::names;
 
 /// Greatest domain whose UDP ports are below 65536 (RTPS 9.6.1.1).
@@ -166,9 +166,11 @@ pub struct Options {
     /// Folders with packages that define such types, `FOLDER/geometry_msgs/msg/Pose.msg`, in
     /// addition to those of `AMENT_PREFIX_PATH`. ROS's common types are built in.
     pub interfaces: Vec<PathBuf>,
-    /// Size in bytes of the largest sample that is reassembled from fragments.
+    /// Size in bytes of the largest sample that is reassembled from fragments; on zenoh, of any
+    /// sample.
     pub greatest_sample: u32,
-    /// Greatest number of participants at a time; one address may have half of them.
+    /// Greatest number of participants at a time; one address may have half of them. On zenoh, of
+    /// other sessions with ends.
     pub participants: usize,
     /// Longest lease: a participant that is silent for this long counts as gone, whatever lease it
     /// announces. The default is the lease of this daemon, so that both sides give up at the same

@@ -2,12 +2,12 @@
 
 use std::sync::{Arc, Mutex, Weak};
 
+use genom_kit::complaints::Complaints;
 use genom_middleware::{
     ActivityId, CallError, Outcome, Replies, Served, ServiceHandler, ServiceType,
 };
 
 use crate::body::{self, Fields, Style};
-use crate::complaints::Complaints;
 use crate::lock::lock;
 use crate::parameters::Part;
 use crate::rmw::{Claim, Reply, Rmw, ServerEnd};

@@ -105,6 +105,11 @@ def sample(name):
     return fields(topics[name].get(timeout=PATIENCE))
 
 
+def arrived(name):
+    """Whether a sample waits."""
+    return not topics[name].empty()
+
+
 def write(name, ty, of, latched):
     key = key_of(name, ty, of)
     if latched:
@@ -121,6 +126,16 @@ def write(name, ty, of, latched):
     gid = show("MP", name, ty, of, ":1:,1:,:,:,," if latched else "::,7:,:,:,,")
     written[name] = [publisher, gid, 0]
     return gid.hex()
+
+
+def matched(name):
+    """Waits until somebody reads what is written."""
+    end = time.monotonic() + PATIENCE
+    while not written[name][0].matching_status.matching:
+        if time.monotonic() > end:
+            raise TimeoutError("nobody reads it")
+        time.sleep(0.005)
+    return "matched"
 
 
 def put(name, body, skip=0):
@@ -211,7 +226,7 @@ def there(text):
 
 commands = {
     of.__name__: of
-    for of in (read, sample, write, put, plain, serve, client, call, ends, gone, there)
+    for of in (read, sample, arrived, write, matched, put, plain, serve, client, call, ends, gone, there)
 }
 print('"up"', flush=True)
 for line in sys.stdin:

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
 
+use genom_kit::complaints::Complaints;
 use rustdds::bytes::Bytes;
 use rustdds::dds::CreateResult;
 use rustdds::mio1::Token;
@@ -11,7 +12,6 @@ use rustdds::rpc::SampleIdentity;
 use rustdds::{GUID, RTPSEntity, SequenceNumber, Timestamp, WriteOptions, WriteOptionsBuilder};
 
 use crate::body::Fields;
-use crate::complaints::Complaints;
 use crate::dds::participant::Dds;
 use crate::dds::post::{Matches, Post, Prefix, prefix};
 use crate::dds::receiver::{Inlet, Sample, Sink};

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use genom_middleware::Quality;
+use genom_rtps_guard::Tally;
 use genom_types::DataType;
 use rustdds::RTPSEntity;
 use rustdds::dds::CreateResult;
@@ -12,8 +13,6 @@ use crate::dds::farewell::Farewell;
 use crate::dds::feed::Feed;
 use crate::dds::feeds::{FeedHandle, Feeds};
 use crate::dds::graph::{Graph, Wanted};
-use crate::dds::guard::Tally;
-use crate::dds::hook;
 use crate::dds::info;
 use crate::dds::news::news;
 use crate::dds::participant::Dds;
@@ -52,7 +51,7 @@ impl Core {
         options.check()?;
         let domain = Domain::of(options)?;
         let failed = |why| ParticipantError::Dds { domain: domain.number, why };
-        let tally = hook::guard(domain.number, options.limits());
+        let tally = genom_rtps_guard::guard(domain.number, options.limits());
         let dds = Arc::new(Dds::open(&domain).map_err(failed)?);
         let graph = Arc::new(Graph::default());
         let told_qos = wire::qos(true, true, 256);

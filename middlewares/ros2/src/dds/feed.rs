@@ -9,9 +9,9 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
+use genom_kit::complaints::Complaints;
 use rustdds::{GUID, Timestamp};
 
-use crate::complaints::Complaints;
 use crate::dds::graph::{Graph, Verdict, Wanted};
 use crate::dds::numbering::Place;
 use crate::dds::quality::{Asks, Wish};

@@ -6,8 +6,6 @@ mod farewell;
 mod feed;
 mod feeds;
 mod graph;
-pub(crate) mod guard;
-mod hook;
 mod info;
 mod meetings;
 mod news;

@@ -6,13 +6,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use genom_kit::complaints::BETWEEN_LINES;
 use genom_kit::lines::Lines;
 use genom_kit::outlet::Outlet;
 use genom_kit::sender::{self, Duty};
 use rustdds::bytes::Bytes;
 use rustdds::{GUID, RTPSEntity, Timestamp};
 
-use crate::complaints::BETWEEN_LINES;
 use crate::dds::feed::Feed;
 use crate::dds::feeds::Feeds;
 use crate::dds::meetings::{self, Meetings};

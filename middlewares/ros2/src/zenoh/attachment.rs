@@ -30,9 +30,9 @@ impl Attachment {
         out
     }
 
-    /// `None` if there is none, or one of another form.
-    pub(crate) fn decode(attachment: Option<&ZBytes>) -> Option<Self> {
-        let bytes = attachment.filter(|bytes| bytes.len() == SIZE)?.to_bytes();
+    /// `None` if it has another form.
+    pub(crate) fn decode(attachment: &ZBytes) -> Option<Self> {
+        let bytes = Some(attachment).filter(|bytes| bytes.len() == SIZE)?.to_bytes();
         let (number, rest) = bytes.split_first_chunk::<8>()?;
         let (length, gid) = rest.get(8..)?.split_first()?;
         let gid = gid.first_chunk::<16>().filter(|_| *length == 16)?;
@@ -51,10 +51,9 @@ mod tests {
         assert_eq!(bytes.len(), 33);
         assert_eq!(bytes[..8], [2, 1, 0, 0, 0, 0, 0, 0]);
         assert_eq!(bytes[16..], [[16].as_slice(), &[9; 16]].concat());
-        assert_eq!(Attachment::decode(Some(&ZBytes::from(&bytes[..]))), Some(attachment));
+        assert_eq!(Attachment::decode(&ZBytes::from(&bytes[..])), Some(attachment));
         for wrong in [&bytes[..32], &[0; 33], &[], &[0; 200]] {
-            assert_eq!(Attachment::decode(Some(&ZBytes::from(wrong))), None);
+            assert_eq!(Attachment::decode(&ZBytes::from(wrong)), None);
         }
-        assert_eq!(Attachment::decode(None), None);
     }
 }

@@ -13,6 +13,7 @@ use super::graph::Graph;
 use super::keys::{self, End, Id, Kind, Node};
 use super::quality::Quality;
 use super::readers::Readers;
+use super::refusals::{Reason, Refusals};
 use super::router::Router;
 use super::sending::{Orders, Outgoing};
 use super::session::{Settings, apart, open};
@@ -31,6 +32,7 @@ pub(crate) struct Core {
     pub(crate) qos: Qos,
     pub(crate) graph: Arc<Graph>,
     pub(crate) readers: Arc<Readers>,
+    pub(crate) refusals: Arc<Refusals>,
     /// By name.
     nodes: Mutex<HashMap<String, Weak<NodeShown>>>,
     /// Numbers of services that were told of before they exist, by name.
@@ -75,7 +77,7 @@ impl Draft {
 impl Core {
     pub(crate) fn open(options: &Options) -> Result<Arc<Self>, ParticipantError> {
         let domain = Domain::of(options)?;
-        let settings = Settings::of(&options.zenoh, &domain.networks)?;
+        let settings = Settings::of(options, &domain.networks)?;
         let router = Arc::new(Router::new(settings.router));
         router.run();
         let session = open(settings.session)?;
@@ -88,8 +90,9 @@ impl Core {
             domain: domain.number,
             namespace: format!("/{}", options.namespace.trim_matches('/')),
             qos: options.qos,
-            graph: Arc::default(),
+            graph: Arc::new(Graph::new(options.participants)),
             readers: Arc::default(),
+            refusals: Arc::new(Refusals::of_samples_above(options.greatest_sample as usize)),
             nodes: Mutex::default(),
             claimed: Mutex::default(),
             next: AtomicU64::new(0),
@@ -117,25 +120,39 @@ impl Core {
     /// is declared first, so it is usually known here when the end is.
     fn watch(&self) -> zenoh::Result<()> {
         let (graph, own, follow) = (Arc::clone(&self.graph), self.zid.clone(), self.follower());
+        let refusals = Arc::clone(&self.refusals);
         let heard = move |sample: Sample| {
-            let Some((id, told)) = Told::parse(sample.key_expr().as_str()) else { return };
-            match sample.kind() {
-                _ if id.0 == own => {}
-                SampleKind::Put => follow(graph.told(id, told)),
-                SampleKind::Delete => graph.untold(&id),
+            let key = sample.key_expr().as_str();
+            let there = sample.kind() == SampleKind::Put;
+            match Told::parse(key) {
+                Some((id, _)) if id.0 == own => {}
+                Some((id, _)) if !there => graph.untold(&id),
+                Some((id, told)) => match graph.told(id, told) {
+                    Ok(name) => follow(name),
+                    Err(why) => refusals.add(why, key),
+                },
+                None if there => refusals.add(Reason::Token, key),
+                None => {}
             }
         };
         let liveliness = self.session.liveliness();
         let watch = liveliness.declare_subscriber(told::all_tokens(self.domain)).history(true);
         watch.callback(heard).background().wait()?;
         let (graph, own, follow) = (Arc::clone(&self.graph), self.zid.clone(), self.follower());
+        let refusals = Arc::clone(&self.refusals);
         let news = move |sample: Sample| {
             let key = sample.key_expr().as_str();
-            let Some(end) = End::parse(key).filter(|end| end.node.session != own) else { return };
-            if sample.kind() == SampleKind::Delete {
-                return graph.lost(&end.id());
+            let there = sample.kind() == SampleKind::Put;
+            match End::parse(key) {
+                Some(end) if end.node.session == own => {}
+                Some(end) if !there => graph.lost(&end.id()),
+                Some(end) => match graph.found(end, keys::gid(key)) {
+                    Ok(name) => follow(name),
+                    Err(why) => refusals.add(why, key),
+                },
+                None if there && !keys::is_of_node(key) => refusals.add(Reason::Token, key),
+                None => {}
             }
-            follow(graph.found(end, keys::gid(key)));
         };
         let watch = liveliness.declare_subscriber(keys::all_tokens(self.domain)).history(true);
         watch.callback(news).background().wait()
@@ -147,8 +164,11 @@ impl Core {
         let graph = Arc::clone(&self.graph);
         move |name| {
             for reader in name.into_iter().flat_map(|name| readers.of(&name)) {
-                let graph = Arc::clone(&graph);
-                orders.submit(move |outgoing, _| reader.follow(&outgoing.session, &graph));
+                // However many tokens arrive, one job at a time waits.
+                if reader.is_to_follow() {
+                    let graph = Arc::clone(&graph);
+                    orders.submit(move |outgoing, _| reader.follow(&outgoing.session, &graph));
+                }
             }
         }
     }

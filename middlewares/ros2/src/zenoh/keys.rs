@@ -9,6 +9,9 @@ use crate::rmw::{EndError, Gid, Named};
 /// First chunk of all tokens. Because of the `@`, `**` does not match it.
 const TOKENS: &str = "@ros2_lv";
 
+/// Greatest size of the key of a token, in bytes.
+const LONGEST: usize = 4096;
+
 /// Type hash of Humble, which has none.
 pub(crate) const NO_HASH: &str = "TypeHashNotSupported";
 
@@ -120,6 +123,9 @@ impl End {
 
     /// Parses the key of an end's token. `None` for nodes, and for what is no token.
     pub(crate) fn parse(key: &str) -> Option<Self> {
+        if !is_plain(key) {
+            return None;
+        }
         let mut chunks = key.strip_prefix(TOKENS)?.strip_prefix('/')?.split('/');
         let _domain = chunks.next()?;
         let session = chunks.next()?.to_owned();
@@ -144,6 +150,17 @@ impl End {
             quality,
         })
     }
+}
+
+/// Whether a token is that of a node. Of these, nothing is needed.
+pub(crate) fn is_of_node(key: &str) -> bool {
+    is_plain(key) && key.split('/').nth(5) == Some("NN")
+}
+
+/// Whether the key of a token is short enough, and may be printed. Names of ROS have 256 characters
+/// at most.
+pub(crate) fn is_plain(key: &str) -> bool {
+    key.len() <= LONGEST && !key.contains(char::is_control)
 }
 
 /// The gid of the end with this token, as `rmw_zenoh_cpp` computes it.
@@ -174,6 +191,7 @@ mod tests {
         let node = end.node.token(0);
         assert_eq!(node, "@ros2_lv/0/aac3178e146ba6f1fc6e6a4085e77f21/0/0/NN/%/%/talker");
         assert_eq!(End::parse(&node), None);
+        assert!(is_of_node(&node) && !is_of_node(TOKEN));
     }
 
     #[test]
@@ -198,6 +216,11 @@ mod tests {
         assert!((0..TOKEN.len() - 12).all(|end| cut(end).is_none()));
         for (from, to) in [("MP", "XX"), ("/10/", "/ten/"), ("%chatter", "%"), ("@ros2_lv", "@x")] {
             assert_eq!(End::parse(&TOKEN.replace(from, to)), None, "{to}");
+        }
+        for name in ["%\u{1b}[2J".to_owned(), format!("%{}", "a".repeat(LONGEST))] {
+            let token = TOKEN.replace("%chatter", &name);
+            assert_eq!(End::parse(&token), None);
+            assert!(!is_of_node(&token.replace("/MP/", "/NN/")));
         }
     }
 }

@@ -11,6 +11,7 @@ mod keys;
 mod ports;
 mod quality;
 mod readers;
+mod refusals;
 mod router;
 mod sending;
 mod services;
@@ -22,7 +23,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use genom_middleware::{
-    Address, Endpoint, EndpointKind, Obstacle, OpenError, Policy, PortSpec, Publisher, Subscription,
+    Address, Endpoint, EndpointKind, Obstacle, OpenError, Policy, PortSpec, Publisher, Refused,
+    Subscription,
 };
 use genom_rosidl::TypeName;
 use zenoh::liveliness::LivelinessToken;
@@ -53,7 +55,7 @@ impl Zenoh {
 /// Checks that the session can be configured.
 pub(crate) fn check(options: &Options) -> Result<(), OptionsError> {
     let domain = Domain::of(options)?;
-    Settings::of(&options.zenoh, &domain.networks).map(|_| ())
+    Settings::of(options, &domain.networks).map(|_| ())
 }
 
 /// A service of ours. Fields are dropped in order.
@@ -179,6 +181,10 @@ impl Rmw for Zenoh {
         }
         all.dedup();
         all
+    }
+
+    fn refused(&self) -> Vec<Refused> {
+        self.0.refusals.list()
     }
 
     fn stall(&self) -> Box<dyn Send> {

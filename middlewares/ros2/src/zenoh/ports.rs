@@ -144,8 +144,8 @@ impl Core {
         let read = || -> Result<_, EndError> {
             let key = keys::of(self.domain, &wanted.of)?;
             let draft = self.draft(&wanted.node, Kind::Subscription, &wanted.of, of_reader)?;
-            let of = (self.domain, wanted.of.name.as_str(), wanted.digest.as_str());
-            let reader = Reader::open(self.session(), of, key, &inbox)?;
+            let (session, domain) = (self.session(), self.domain);
+            let reader = Reader::open(session, domain, &wanted, key, &inbox, &self.refusals)?;
             let told = self.tell(&draft.id(), &Told::of(&wanted))?;
             Ok((self.show(&draft)?, told, reader))
         };

@@ -1,10 +1,11 @@
 //! The in ports of this daemon, and where their samples arrive.
 
-use std::collections::HashMap;
-use std::sync::atomic::Ordering;
+use std::collections::{HashMap, HashSet};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, Weak};
 use std::time::Instant;
 
+use genom_kit::complaints::BETWEEN_LINES;
 use zenoh::key_expr::OwnedKeyExpr;
 use zenoh::sample::{Sample, SampleKind};
 use zenoh::{Session, Wait};
@@ -13,13 +14,16 @@ use zenoh_ext::{AdvancedSubscriber, AdvancedSubscriberBuilderExt, HistoryConfig}
 use super::attachment::Attachment;
 use super::graph::Graph;
 use super::keys;
-use crate::complaints::BETWEEN_LINES;
+use super::refusals::{Reason, Refusals};
 use crate::inbox::{Inbox, Message};
 use crate::lock::lock;
-use crate::rmw::Gid;
+use crate::rmw::{Gid, Wanted};
 
 /// Number of writers whose last numbers are remembered.
 const MANY: usize = 256;
+
+/// Number of keys that an in port reads, its own among them.
+const KEYS: usize = 16;
 
 /// An in port. It reads the key of its type and, since types of equal members may have other names
 /// in other daemons, the keys of those of their writers that it can read.
@@ -28,7 +32,10 @@ pub(crate) struct Reader {
     name: String,
     digest: String,
     arrivals: Arc<Arrivals>,
+    own: OwnedKeyExpr,
     subscribers: Mutex<HashMap<OwnedKeyExpr, AdvancedSubscriber<()>>>,
+    /// Whether there may be keys of writers that it does not read yet.
+    news: AtomicBool,
 }
 
 /// Filled by zenoh's callbacks.
@@ -36,6 +43,7 @@ struct Arrivals {
     name: String,
     inbox: Arc<Inbox>,
     gate: Mutex<Gate>,
+    refusals: Arc<Refusals>,
 }
 
 #[derive(Default)]
@@ -71,13 +79,23 @@ impl Arrivals {
         if sample.kind() != SampleKind::Put {
             return;
         }
+        let refuse = |why| {
+            self.inbox.refused.fetch_add(1, Ordering::Relaxed);
+            self.refusals.add(why, sample.key_expr().as_str());
+        };
         let mut gate = lock(&self.gate);
         // Without an attachment, as plain zenoh programs send it, all samples are new.
-        if let Some(attachment) = Attachment::decode(sample.attachment()) {
+        if let Some(attachment) = sample.attachment() {
+            let Some(attachment) = Attachment::decode(attachment) else {
+                return refuse(Reason::Attachment);
+            };
             let Some(missing) = gate.admit(attachment) else { return };
             if missing > 0 {
                 self.inbox.missing.fetch_add(missing, Ordering::Relaxed);
             }
+        }
+        if sample.payload().len() > self.refusals.greatest {
+            return refuse(Reason::Sample);
         }
         let mut message = gate.spare.take().unwrap_or_default();
         let buffer = Arc::make_mut(&mut message);
@@ -106,18 +124,27 @@ impl Reader {
     /// Reads this key, and further ones as soon as they are known.
     pub(crate) fn open(
         session: &Session,
-        (domain, name, digest): (u16, &str, &str),
+        domain: u16,
+        wanted: &Wanted,
         key: OwnedKeyExpr,
         inbox: &Arc<Inbox>,
+        refusals: &Arc<Refusals>,
     ) -> zenoh::Result<Arc<Self>> {
-        let (name, inbox) = (name.to_owned(), Arc::clone(inbox));
-        let arrivals = Arrivals { name: name.clone(), inbox, gate: Mutex::default() };
+        let name = wanted.of.name.clone();
+        let arrivals = Arrivals {
+            name: name.clone(),
+            inbox: Arc::clone(inbox),
+            gate: Mutex::default(),
+            refusals: Arc::clone(refusals),
+        };
         let reader = Arc::new(Self {
             domain,
             name,
-            digest: digest.to_owned(),
+            digest: wanted.digest.clone(),
             arrivals: Arc::new(arrivals),
+            own: key.clone(),
             subscribers: Mutex::default(),
+            news: AtomicBool::new(false),
         });
         let mut subscribers = lock(&reader.subscribers);
         reader.read(session, key, &mut subscribers)?;
@@ -147,13 +174,32 @@ impl Reader {
         Ok(())
     }
 
+    /// Notes that there may be further keys; whether nobody has noted that already.
+    pub(crate) fn is_to_follow(&self) -> bool {
+        !self.news.swap(true, Ordering::AcqRel)
+    }
+
     /// Reads further keys of known writers.
     pub(crate) fn follow(&self, session: &Session, graph: &Graph) {
-        let equals = graph.equals(&self.name, &self.digest);
+        self.news.store(false, Ordering::Release);
+        let equals = graph.equals(&self.name, &self.digest).into_iter();
+        let keys = equals.filter_map(|(ty, hash)| {
+            keys::of_found(self.domain, &self.name, &ty, &hash)
+                .inspect_err(|error| {
+                    tracing::warn!(topic = %self.name, %error, "a writer cannot be read");
+                })
+                .ok()
+        });
+        let keys: HashSet<OwnedKeyExpr> = keys.collect();
         let mut subscribers = lock(&self.subscribers);
-        for (ty, hash) in equals {
-            let key = keys::of_found(self.domain, &self.name, &ty, &hash);
-            if let Err(error) = key.and_then(|key| self.read(session, key, &mut subscribers)) {
+        if keys.len() + subscribers.len() > KEYS {
+            // Writers of some may be gone.
+            subscribers.retain(|key, _| *key == self.own || keys.contains(key));
+        }
+        for key in keys {
+            if subscribers.len() >= KEYS && !subscribers.contains_key(&key) {
+                self.arrivals.refusals.add(Reason::Types, &key);
+            } else if let Err(error) = self.read(session, key, &mut subscribers) {
                 tracing::warn!(topic = %self.name, %error, "a writer cannot be read");
             }
         }

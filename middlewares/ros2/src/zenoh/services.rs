@@ -1,6 +1,6 @@
 //! A service: the serving end is a queryable, the calling end queries it.
 
-use std::sync::atomic::{AtomicI64, Ordering};
+use std::sync::atomic::{AtomicI64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -14,6 +14,7 @@ use super::attachment::Attachment;
 use super::core::{Core, Shown};
 use super::keys::{self, Kind};
 use super::quality::Quality;
+use super::refusals::Reason;
 use super::sending::Orders;
 use crate::error::BACKEND;
 use crate::lock::lock;
@@ -27,6 +28,10 @@ const ANSWER: Duration = Duration::from_secs(60);
 
 /// The same for results of actions: the longest run whose end is reported.
 const RUN: Duration = Duration::from_secs(7 * 24 * 3600);
+
+/// Number of requests of a service that may wait for their replies. Results of actions are waited
+/// for as long as these run.
+const OPEN: usize = 1024;
 
 /// Header of a message in CDR, little endian.
 const LITTLE: [u8; 4] = [0, 1, 0, 0];
@@ -44,17 +49,37 @@ pub(crate) struct Server {
     orders: Orders,
 }
 
+/// Counts a request that waits for its reply.
+struct Open(Arc<AtomicUsize>);
+
+impl Open {
+    /// `None` if there are too many.
+    fn new(count: &Arc<AtomicUsize>) -> Option<Self> {
+        let open = Self(Arc::clone(count));
+        // One too many is counted until `open` is dropped.
+        (count.fetch_add(1, Ordering::AcqRel) < OPEN).then_some(open)
+    }
+}
+
+impl Drop for Open {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::AcqRel);
+    }
+}
+
 /// Where the reply to one query goes. Dropping it ends the query.
 struct ToClient {
     query: Query,
+    open: Open,
     request: Attachment,
     orders: Orders,
 }
 
 impl Reply for ToClient {
     fn send(self: Box<Self>, body: Vec<u8>) {
-        let Self { query, request, orders } = *self;
+        let Self { query, open, request, orders } = *self;
         orders.submit(move |_, _| {
+            let _open = open;
             let reply = query.reply(query.key_expr().clone(), message(&body));
             // Number and client as in the request.
             if let Err(error) = reply.attachment(&request.encode()[..]).wait() {
@@ -80,12 +105,17 @@ impl Server {
         let draft = core.draft(node, Kind::Server, of, Quality::SERVICE)?;
         let orders = core.orders().clone();
         let answering = orders.clone();
+        let (open, refusals) = (Arc::<AtomicUsize>::default(), Arc::clone(&core.refusals));
         let asked = move |query: Query| {
-            let request = Attachment::decode(query.attachment());
-            let request = request.unwrap_or(Attachment { number: 0, gid: Gid::default() });
+            let refuse = |why| refusals.add(why, query.key_expr().as_str());
+            // A plain zenoh program attaches nothing.
+            let plain = Attachment { number: 0, gid: Gid::default() };
+            let request = query.attachment().map_or(Some(plain), Attachment::decode);
+            let Some(request) = request else { return refuse(Reason::Attachment) };
+            let Some(open) = Open::new(&open) else { return refuse(Reason::Requests) };
             let message = query.payload().map(ZBytes::to_bytes).unwrap_or_default().into_owned();
             let orders = answering.clone();
-            on_request(Box::new(ToClient { query, request, orders }), &message);
+            on_request(Box::new(ToClient { query, open, request, orders }), &message);
         };
         let queryable = core.session().declare_queryable(key).complete(true).callback(asked);
         let queryable = queryable.wait()?;

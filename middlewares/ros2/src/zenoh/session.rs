@@ -8,7 +8,7 @@ use serde_json::json;
 use zenoh::Config;
 
 use crate::error::ParticipantError;
-use crate::options::{Networks, OptionsError, ZenohOptions};
+use crate::options::{Networks, Options, OptionsError};
 
 /// Where the router of a machine is.
 const ROUTER: &str = "tcp/localhost:7447";
@@ -18,6 +18,9 @@ const PORT: u16 = 7447;
 
 /// Time in milliseconds after which a session that is silent counts as gone.
 const LEASE: u32 = 60_000;
+
+/// How much longer than the largest sample a message may be, in bytes.
+const MARGIN: u64 = 1 << 20;
 
 /// Configurations of the two sessions.
 #[derive(Debug)]
@@ -34,12 +37,16 @@ fn set(config: &mut Config, key: &str, value: &serde_json::Value) -> Result<(), 
 }
 
 /// What is the same in both, and is not zenoh's default.
-fn common(config: &mut Config) -> Result<(), OptionsError> {
+fn common(config: &mut Config, greatest_sample: u32) -> Result<(), OptionsError> {
+    // Longer ones are left out while they arrive, without a word: those a little too long arrive,
+    // and are refused with one.
+    let longest = u64::from(greatest_sample) + MARGIN;
     for (key, value) in [
         ("scouting/multicast/enabled", json!(false)),
         ("timestamping/enabled", json!({ "router": true, "peer": true, "client": true })),
         ("transport/link/tx/lease", json!(LEASE)),
         ("queries_default_timeout", json!(600_000)),
+        ("transport/link/rx/max_message_size", json!(longest)),
     ] {
         set(config, key, &value)?;
     }
@@ -55,21 +62,22 @@ fn read(variable: &'static str, file: &str) -> Result<Config, OptionsError> {
 
 impl Settings {
     /// From the options; what they leave open comes from the environment.
-    pub(crate) fn of(options: &ZenohOptions, networks: &Networks) -> Result<Self, OptionsError> {
+    pub(crate) fn of(options: &Options, networks: &Networks) -> Result<Self, OptionsError> {
         Self::by(options, networks, |name| std::env::var(name).ok())
     }
 
     fn by(
-        options: &ZenohOptions,
+        options: &Options,
         networks: &Networks,
         variable: impl Fn(&str) -> Option<String>,
     ) -> Result<Self, OptionsError> {
+        let (greatest, options) = (options.greatest_sample, &options.zenoh);
         let variable = |name: &str| variable(name).filter(|value| !value.is_empty());
         let mut session = match variable("ZENOH_SESSION_CONFIG_URI") {
             Some(file) => read("ZENOH_SESSION_CONFIG_URI", &file)?,
             None => {
                 let mut config = Config::default();
-                common(&mut config)?;
+                common(&mut config, greatest)?;
                 set(&mut config, "mode", &json!("peer"))?;
                 set(&mut config, "connect/endpoints", &json!([ROUTER]))?;
                 set(&mut config, "listen/endpoints", &json!(["tcp/localhost:0"]))?;
@@ -112,7 +120,7 @@ impl Settings {
             }
             .map(|listen| {
                 let mut config = Config::default();
-                common(&mut config)?;
+                common(&mut config, greatest)?;
                 set(&mut config, "listen/endpoints", &json!(listen))?;
                 Ok(config)
             })
@@ -175,9 +183,11 @@ pub(crate) fn apart<R: Send>(run: impl FnOnce() -> R + Send) -> Option<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::options::ZenohOptions;
 
-    fn by(options: &ZenohOptions, variables: &[(&str, &str)]) -> Result<Settings, OptionsError> {
-        Settings::by(options, &Networks::Loopback, |name| {
+    fn by(zenoh: &ZenohOptions, variables: &[(&str, &str)]) -> Result<Settings, OptionsError> {
+        let options = Options { zenoh: zenoh.clone(), ..Options::default() };
+        Settings::by(&options, &Networks::Loopback, |name| {
             variables.iter().find(|(other, _)| *other == name).map(|(_, value)| (*value).to_owned())
         })
     }
@@ -196,6 +206,9 @@ mod tests {
         let router = settings.router.unwrap();
         assert_eq!(get(&router, "mode"), "router");
         assert_eq!(get(&router, "listen/endpoints"), json!(["tcp/127.0.0.1:7447"]));
+        for config in [&settings.session, &router] {
+            assert_eq!(get(config, "transport/link/rx/max_message_size"), 65 << 20);
+        }
         assert_eq!(listened(&Networks::All), ["tcp/[::]:7447"]);
         let only = Networks::Only(vec![[192, 168, 1, 7].into()]);
         assert_eq!(listened(&only), ["tcp/127.0.0.1:7447", "tcp/192.168.1.7:7447"]);

@@ -8,6 +8,9 @@ use super::keys::Id;
 /// First chunk of these tokens.
 const TOKENS: &str = "@genom_ros2";
 
+/// Greatest size of such a token, in bytes. The types of a service are spelled out in it.
+const TOKEN: usize = 64 << 10;
+
 /// An end of a daemon.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Told {
@@ -39,12 +42,16 @@ impl Told {
 
     /// Parses the key of a token; `None` if it is none.
     pub(crate) fn parse(key: &str) -> Option<(Id, Self)> {
+        // Escaped, its texts are three times as long at most.
+        if key.len() > TOKEN {
+            return None;
+        }
         let mut chunks = key.strip_prefix(TOKENS)?.strip_prefix('/')?.split('/');
         let _domain = chunks.next()?;
         let id = (chunks.next()?.to_owned(), chunks.next()?.parse().ok()?);
         let kind = chunks.next()?;
         let (kind, _) = KINDS.into_iter().find(|(_, spelled)| *spelled == kind)?;
-        let mut text = || unescaped(chunks.next()?);
+        let mut text = || unescaped(chunks.next()?).filter(|text| !text.contains(char::is_control));
         let (digest, types, address) = (text()?, text()?, text()?);
         chunks.next().is_none().then_some((id, Self { kind, address, digest, types }))
     }
@@ -104,5 +111,8 @@ mod tests {
         assert_eq!(Told::parse(&format!("{key}/more")), None);
         assert_eq!(Told::parse("@genom_ros2/0/a/1/pub/d/%zz/x"), None);
         assert_eq!(Told::parse("@genom_ros2/0/a/1/pub/d/%ff/x"), None);
+        assert_eq!(Told::parse("@genom_ros2/0/a/1/pub/d/t%1b/x"), None);
+        let long = "x".repeat(TOKEN);
+        assert_eq!(Told::parse(&format!("@genom_ros2/0/a/1/pub/d/t/{long}")), None);
     }
 }

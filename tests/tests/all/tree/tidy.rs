@@ -28,7 +28,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-shm", BACKEND),
     ("genom-zenoh", BACKEND),
     ("genom-gateway", BACKEND),
-    ("genom-ros2", &["genom-kit", "genom-middleware", "genom-rosidl", "genom-types"]),
+    ("genom-ros2", ROS2),
+    ("genom-rtps-guard", &["genom-kit"]),
     ("genom-rosidl", &["genom-types"]),
     ("genom-floor", &[]),
     ("genom-bench", &["genom-floor", "genom-types"]),
@@ -186,6 +187,8 @@ const TELEMETRY: &[&str] = &[
 ];
 const MIDDLEWARE: &[&str] = &["genom-middleware", "genom-types"];
 const BACKEND: &[&str] = &["genom-kit", "genom-middleware", "genom-types"];
+const ROS2: &[&str] =
+    &["genom-kit", "genom-middleware", "genom-rosidl", "genom-rtps-guard", "genom-types"];
 /// Crates at the top: they may use any other.
 const TOP: &[&str] = &["genomd", "genom-tests"];
 /// Modules of crates, each above all that it knows. A crate's first names may be those of crates

@@ -11,7 +11,7 @@ const UNSAFE: &[&str] = &[
     "genom-host",
     "genom-local",
     "genom-kit",
-    "genom-ros2",
+    "genom-rtps-guard",
     "genom-shm",
     "genom",
     "genom-allocations",

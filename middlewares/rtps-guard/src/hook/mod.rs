@@ -14,10 +14,10 @@ mod wait;
 
 use std::sync::Arc;
 
-use crate::dds::guard::{Limits, Tally};
+use crate::filter::{Limits, Tally};
 
 /// Makes the guard filter what participants receive that are created in this domain from now on.
-pub(crate) fn guard(domain: u16, limits: Limits) -> Arc<Tally> {
+pub fn guard(domain: u16, limits: Limits) -> Arc<Tally> {
     receive::link();
     wait::link();
     receive::guard(domain, limits)

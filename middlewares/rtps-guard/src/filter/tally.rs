@@ -4,11 +4,11 @@ use std::net::IpAddr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use crate::complaints::Complaints;
+use genom_kit::complaints::Complaints;
 
 /// Why something was kept from DDS.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Reason {
+pub enum Reason {
     /// It is not a valid RTPS message.
     Malformed,
     /// Its participant has not announced itself (yet). Normal while participants appear and
@@ -46,7 +46,9 @@ impl Reason {
         Self::Announcement,
     ];
 
-    pub(crate) fn text(self) -> &'static str {
+    /// As the log and lists word it.
+    #[must_use]
+    pub fn text(self) -> &'static str {
         match self {
             Self::Malformed => "no message of RTPS",
             Self::Stranger => "a participant that did not announce itself",
@@ -64,7 +66,7 @@ impl Reason {
 
 /// Counters, written by DDS's threads and read by any thread.
 #[derive(Debug, Default)]
-pub(crate) struct Tally {
+pub struct Tally {
     counts: [AtomicU64; Reason::ALL.len()],
     last: Mutex<[Option<IpAddr>; Reason::ALL.len()]>,
     lines: Complaints,
@@ -91,7 +93,8 @@ impl Tally {
     }
 
     /// Each reason with its count and the sender of the last one; without reasons that are normal.
-    pub(crate) fn list(&self) -> Vec<(Reason, u64, Option<IpAddr>)> {
+    #[must_use]
+    pub fn list(&self) -> Vec<(Reason, u64, Option<IpAddr>)> {
         let last = *self.last.lock().unwrap_or_else(PoisonError::into_inner);
         let counts = Reason::ALL.into_iter().zip(&self.counts).zip(last);
         counts

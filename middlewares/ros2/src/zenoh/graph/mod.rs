@@ -1,5 +1,6 @@
 //! The graph: our ends, and those of others as their liveliness tokens tell of them.
 
+use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -8,13 +9,30 @@ use genom_middleware::{Address, Endpoint, EndpointKind, OpenError};
 use genom_rosidl::TypeName;
 
 use super::keys::{self, End, Id, Kind};
+use super::refusals::Reason;
 use super::told::Told;
 use crate::rmw::{Gid, Service, Wanted};
 
 /// How long the news that an end was closed elsewhere may take to arrive.
 const GRACE: Duration = Duration::from_millis(100);
 
+/// Number of ends that may be known of one session: as ROS tells of them, and as daemons do.
+const ENDS: usize = 32_768;
+
+/// The same of all sessions together.
+const ALL_ENDS: usize = 131_072;
+
+/// Another session of which ends are known.
 #[derive(Debug, Default)]
+struct Known {
+    /// Number of its ends in `found` and in `told`.
+    ends: usize,
+    /// Whether it is that of a daemon. Ends of a daemon of which nothing is told are no ends of
+    /// components.
+    daemon: bool,
+}
+
+#[derive(Debug)]
 struct State {
     own: HashMap<u64, Wanted>,
     next: u64,
@@ -22,12 +40,15 @@ struct State {
     found: HashMap<Id, (End, Gid)>,
     /// What daemons tell of theirs.
     told: HashMap<Id, Told>,
-    /// Sessions of daemons. Their ends of which nothing is told are no ends of components.
-    daemons: HashSet<String>,
+    /// By name. Anybody may tell of ends in the name of any session, which only zenoh's access
+    /// control prevents.
+    sessions: HashMap<String, Known>,
+    /// Number of sessions that may be known.
+    most: usize,
 }
 
 /// All known ends.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Graph {
     state: Mutex<State>,
     changed: Condvar,
@@ -54,6 +75,19 @@ fn kind_of(kind: Kind) -> Option<EndpointKind> {
 }
 
 impl Graph {
+    /// Knows the ends of at most this number of other sessions.
+    pub(crate) fn new(sessions: usize) -> Self {
+        let state = State {
+            own: HashMap::new(),
+            next: 0,
+            found: HashMap::new(),
+            told: HashMap::new(),
+            sessions: HashMap::new(),
+            most: sessions,
+        };
+        Self { state: Mutex::new(state), changed: Condvar::new() }
+    }
+
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -63,31 +97,42 @@ impl Graph {
     }
 
     /// An end of another session appeared. Returns its topic if it is a writer.
-    pub(crate) fn found(&self, end: End, gid: Gid) -> Option<String> {
+    pub(crate) fn found(&self, end: End, gid: Gid) -> Result<Option<String>, Reason> {
         let writes = (end.kind == Kind::Publisher).then(|| end.name.clone());
-        self.lock().found.insert(end.id(), (end, gid));
+        let (mut state, id) = (self.lock(), end.id());
+        if !state.found.contains_key(&id) {
+            state.admit(&id.0)?;
+        }
+        state.found.insert(id, (end, gid));
+        drop(state);
         self.changed.notify_all();
-        writes
+        Ok(writes)
     }
 
     /// A daemon tells of an end. Returns its topic if it is a writer that is known already: a new
     /// way to a session may bring its tokens in any order.
-    pub(crate) fn told(&self, id: Id, told: Told) -> Option<String> {
+    pub(crate) fn told(&self, id: Id, told: Told) -> Result<Option<String>, Reason> {
         let mut state = self.lock();
+        if !state.told.contains_key(&id) {
+            state.admit(&id.0)?;
+        }
         let found = state.found.get(&id).filter(|(end, _)| end.kind == Kind::Publisher);
         let writes = found.map(|(end, _)| end.name.clone());
-        state.daemons.insert(id.0.clone());
+        if let Some(session) = state.sessions.get_mut(&id.0) {
+            session.daemon = true;
+        }
         state.told.insert(id, told);
         drop(state);
         self.changed.notify_all();
-        writes
+        Ok(writes)
     }
 
     /// An end of another session is gone.
     pub(crate) fn lost(&self, id: &Id) {
         let mut state = self.lock();
-        state.found.remove(id);
-        state.forget(&id.0);
+        if state.found.remove(id).is_some() {
+            state.forget(&id.0);
+        }
         drop(state);
         self.changed.notify_all();
     }
@@ -95,8 +140,9 @@ impl Graph {
     /// A daemon tells no more of an end.
     pub(crate) fn untold(&self, id: &Id) {
         let mut state = self.lock();
-        state.told.remove(id);
-        state.forget(&id.0);
+        if state.told.remove(id).is_some() {
+            state.forget(&id.0);
+        }
         drop(state);
         self.changed.notify_all();
     }
@@ -187,20 +233,45 @@ impl Graph {
         let foreign = state.found.values().filter_map(|(found, _)| {
             let kind = kind_of(found.kind)?;
             let ty = TypeName::from_dds(&found.ty);
-            let ours = state.daemons.contains(&found.node.session);
-            (!ours).then(|| Endpoint { kind, address: found.name.clone(), ty })
+            (!state.is_daemon(&found.node.session)).then(|| Endpoint {
+                kind,
+                address: found.name.clone(),
+                ty,
+            })
         });
         own.chain(told).chain(foreign).collect()
     }
 }
 
 impl State {
-    /// Forgets a session of which nothing is left.
-    fn forget(&mut self, session: &str) {
-        let of = |id: &Id| id.0 == session;
-        if !self.told.keys().any(of) && !self.found.keys().any(of) {
-            self.daemons.remove(session);
+    /// Counts another end of a session, unless there are too many.
+    fn admit(&mut self, session: &str) -> Result<(), Reason> {
+        if self.found.len() + self.told.len() >= ALL_ENDS {
+            return Err(Reason::Ends);
         }
+        let known = self.sessions.len();
+        match self.sessions.entry(session.to_owned()) {
+            Entry::Occupied(of) if of.get().ends >= ENDS => return Err(Reason::Ends),
+            Entry::Occupied(mut of) => of.get_mut().ends += 1,
+            Entry::Vacant(_) if known >= self.most => return Err(Reason::Sessions),
+            Entry::Vacant(of) => {
+                of.insert(Known { ends: 1, daemon: false });
+            }
+        }
+        Ok(())
+    }
+
+    /// Counts one end of a session less, and forgets the session with its last one.
+    fn forget(&mut self, session: &str) {
+        let Some(of) = self.sessions.get_mut(session) else { return };
+        of.ends -= 1;
+        if of.ends == 0 {
+            self.sessions.remove(session);
+        }
+    }
+
+    fn is_daemon(&self, session: &str) -> bool {
+        self.sessions.get(session).is_some_and(|session| session.daemon)
     }
 
     /// The conflict with an existing end, if any, and whether that end is ours.
@@ -235,7 +306,7 @@ impl State {
         let foreign = self.found.values().map(|(end, _)| end).filter(|end| {
             port && end.name == wanted.of.name
                 && kind_of(end.kind).is_some_and(is_port)
-                && !self.daemons.contains(&end.node.session)
+                && !self.is_daemon(&end.node.session)
         });
         for end in foreign {
             if end.ty != ty {
@@ -260,7 +331,7 @@ impl State {
         for (end, gid) in servers {
             match self.told.get(&end.id()) {
                 Some(told) => return service_of(&told.digest, &told.types, wanted, Some(*gid)),
-                None if self.daemons.contains(&end.node.session) => {}
+                None if self.is_daemon(&end.node.session) => {}
                 None if end.ty != ty => {
                     return Service::Differs(TypeName::from_dds(&end.ty));
                 }
@@ -293,5 +364,4 @@ impl Drop for Registered {
 }
 
 #[cfg(test)]
-#[path = "../../tests/unit/zenoh_graph.rs"]
 mod tests;

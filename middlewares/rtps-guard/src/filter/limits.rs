@@ -4,15 +4,15 @@ use std::time::Duration;
 
 /// Limits that options set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Limits {
+pub struct Limits {
     /// Size in bytes of the largest sample that is reassembled from fragments. Default: 64 MiB.
-    pub(crate) sample: u32,
+    pub sample: u32,
     /// Number of participants at a time; one address may have half of them. Default: 1024.
-    pub(crate) participants: usize,
+    pub participants: usize,
     /// Longest lease: a participant that is silent for this long counts as gone, whatever lease it
     /// announces. Default: 50 s, the lease of this daemon, so that both sides give up at the same
     /// time.
-    pub(crate) silence: Duration,
+    pub silence: Duration,
 }
 
 impl Default for Limits {

@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::Duration;
 
 use super::threads::is_rustdds;
-use crate::dds::guard::{Guard, Limits, Tally};
+use crate::filter::{Guard, Limits, Tally};
 
 type RecvMsg = unsafe extern "C" fn(c_int, *mut libc::msghdr, c_int) -> libc::ssize_t;
 

@@ -4,11 +4,11 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Minimum time between two lines.
-pub(crate) const BETWEEN_LINES: Duration = Duration::from_secs(1);
+pub const BETWEEN_LINES: Duration = Duration::from_secs(1);
 
 /// Counts errors of one kind.
 #[derive(Debug, Default)]
-pub(crate) struct Complaints(Mutex<State>);
+pub struct Complaints(Mutex<State>);
 
 #[derive(Debug, Default)]
 struct State {
@@ -18,7 +18,7 @@ struct State {
 
 impl Complaints {
     /// Counts one error. Returns the count so far if a line is due.
-    pub(crate) fn add(&self) -> Option<u64> {
+    pub fn add(&self) -> Option<u64> {
         self.add_at(Instant::now())
     }
 

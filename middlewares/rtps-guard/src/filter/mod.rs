@@ -20,22 +20,20 @@ mod peers;
 mod pieces;
 mod tally;
 #[cfg(test)]
-#[path = "../../../tests/unit/guard.rs"]
 mod tests;
 
 use std::net::IpAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
-pub(crate) use limits::Limits;
-pub(crate) use tally::Tally;
+pub use limits::Limits;
+pub use tally::{Reason, Tally};
 
 use discovery::{PAIRS, PARTICIPANTS, READERS, WRITERS};
 use flows::{Flows, Heard};
 use message::{Entity, Fields, HEADER, Head, Prefix, is_builtin, kind, put_number};
 use peers::Peers;
 use pieces::{Piece, Pieces};
-use tally::Reason;
 
 /// The entity id that stands for no particular entity (9.3.1.5).
 const UNKNOWN: Entity = [0; 4];
