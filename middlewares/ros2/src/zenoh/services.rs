@@ -12,6 +12,7 @@ use zenoh::{Session, Wait};
 
 use super::attachment::Attachment;
 use super::core::{Core, Shown};
+use super::graph::Graph;
 use super::keys::{self, Kind};
 use super::quality::Quality;
 use super::refusals::Reason;
@@ -143,7 +144,11 @@ impl ServerEnd for Server {
 /// The calling end.
 pub(crate) struct Caller {
     gid: Gid,
+    domain: u16,
+    name: String,
+    /// The key of its own type, for servers that are not known.
     key: OwnedKeyExpr,
+    graph: Arc<Graph>,
     timeout: Duration,
     /// Number of the last request.
     last: AtomicI64,
@@ -158,12 +163,26 @@ impl Caller {
         let runs = of.name.ends_with("/_action/get_result");
         Ok(Self {
             gid: draft.gid,
+            domain: core.domain,
+            name: of.name.clone(),
             key,
+            graph: Arc::clone(&core.graph),
             timeout: if runs { RUN } else { ANSWER },
             last: AtomicI64::new(0),
             orders: core.orders().clone(),
             _shown: core.show(&draft)?,
         })
+    }
+}
+
+impl Caller {
+    /// The key of the server: that of its type, which may have another name than the caller's.
+    fn key(&self, to: Target) -> OwnedKeyExpr {
+        let (Target::End(of) | Target::Beside(of)) = to;
+        let server = self.graph.server(&self.name, of);
+        let key =
+            server.and_then(|(ty, hash)| keys::of_found(self.domain, &self.name, &ty, &hash).ok());
+        key.unwrap_or_else(|| self.key.clone())
     }
 }
 
@@ -214,10 +233,10 @@ fn ask(
 
 impl ClientEnd for Caller {
     // All servers of the name get it; the first reply counts.
-    fn call(&self, _: Target, body: Vec<u8>, answer: Answer) {
+    fn call(&self, to: Target, body: Vec<u8>, answer: Answer) {
         let number = self.last.fetch_add(1, Ordering::Relaxed) + 1;
         let request = Attachment { number, gid: self.gid };
-        let (key, timeout) = (self.key.clone(), self.timeout);
+        let (key, timeout) = (self.key(to), self.timeout);
         // On the sending thread, because this may be called within a callback of zenoh.
         self.orders.submit(move |outgoing, _| {
             let waiting = Arc::new(Waiting { answer: Mutex::new(Some(answer)), timeout });

@@ -81,7 +81,9 @@ impl Reading {
         on_message: OnMessage,
     ) -> Result<Self, EndError> {
         let draft = core.draft(node, Kind::Subscription, of, Quality::SERVICE)?;
-        let subscriber = core.session().declare_subscriber(keys::of(core.domain, of)?);
+        // Whatever the name of the type is in other daemons.
+        let subscriber =
+            core.session().declare_subscriber(format!("{}/{}/*/*", core.domain, of.name));
         let subscriber = subscriber.callback(move |sample| {
             if sample.kind() == SampleKind::Put {
                 on_message(&sample.payload().to_bytes());

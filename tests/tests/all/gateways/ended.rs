@@ -4,8 +4,7 @@ use genom_tests::{Home, component, path, until};
 
 use super::{NONE, Pair, gateway, ticks};
 
-fn comes_back(backend: &str) {
-    let pair = Pair::new(backend, "", &[]);
+fn comes_back(pair: Pair) {
     pair.moves();
     pair.flows();
     let mut events = pair.near.events();
@@ -33,12 +32,17 @@ fn comes_back(backend: &str) {
 
 #[test]
 fn ports_and_services_on_zenoh_come_back_with_their_gateway() {
-    comes_back("zenoh");
+    comes_back(Pair::new("zenoh", "", &[]));
 }
 
 #[test]
 fn ports_and_services_on_ros2_come_back_with_their_gateway() {
-    comes_back("ros2");
+    comes_back(Pair::new("ros2", "", &[]));
+}
+
+#[test]
+fn ports_and_services_on_ros2_over_zenoh_come_back_with_their_gateway() {
+    comes_back(Pair::over_zenoh("", &[]));
 }
 
 #[test]

@@ -5,6 +5,7 @@ mod besieged;
 mod ended;
 mod sandboxed;
 
+use std::fs;
 use std::sync::Arc;
 
 use genom_tests::{Daemon, Home, Memory, component, path, until};
@@ -25,13 +26,22 @@ impl Pair {
     /// the configuration, `of_demo` to the command that loads the demo.
     fn new(backend: &str, more: &str, of_demo: &[&str]) -> Self {
         let memory = Arc::new(Memory::new());
-        let near = Home::with(&memory).configured(more);
+        let homes = [more, NONE].map(|text| Home::with(&memory).configured(text));
+        Self::of(homes, backend, of_demo)
+    }
+
+    /// The same on ROS 2 over zenoh.
+    fn over_zenoh(more: &str, of_demo: &[&str]) -> Self {
+        let memory = Arc::new(Memory::new());
+        Self::of([more, NONE].map(|text| over_zenoh(&memory, text)), "ros2", of_demo)
+    }
+
+    fn of([near, far]: [Home; 2], backend: &str, of_demo: &[&str]) -> Self {
         let near = near.start(&["--backend", backend]);
         let demo = component("demo").library;
         near.ctl(&[&["load", path(&demo)], of_demo].concat()).expect_code(0);
         let mission = component("mission").library;
-        let far =
-            Home::with(&memory).configured(NONE).start(&["--backend", backend, path(&mission)]);
+        let far = far.start(&["--backend", backend, path(&mission)]);
         far.ctl(&["connect", "mission/position", "demo/position"]).expect_code(0);
         far.ctl(&["connect", "mission/goto", "demo/goto"]).expect_code(0);
         near.ctl(&["connect", "demo/parameter", "mission/gain"]).expect_code(0);
@@ -56,6 +66,18 @@ impl Pair {
         let pid = &gateway(&self.near, &self.gateway)["pid"];
         assert!(genom_tests::signal(pid, signal), "there is no process {pid}");
     }
+}
+
+/// A home whose ROS 2 is over zenoh, with a router that only those of this memory meet at.
+fn over_zenoh(memory: &Arc<Memory>, text: &str) -> Home {
+    let home = Home::with(memory).configured(text);
+    let file = home.path().join("genomd.toml");
+    let router = format!("unixsock-stream/{}", memory.root().join("router").display());
+    let section = "[backends.ros2]\n";
+    let zenoh = format!("{section}rmw = \"zenoh\"\nzenoh = {{ connect = [{router:?}] }}\n");
+    let own = fs::read_to_string(&file).expect("the file was written");
+    fs::write(file, own.replace(section, &zenoh)).expect("a file can be written");
+    home
 }
 
 /// A gateway, as the daemon tells it.

@@ -9,8 +9,7 @@ use super::Pair;
 
 const LIMITS: &str = "[cell.demo]\nnetwork = false\n[cell.trespasses]\nnetwork = false\n";
 
-fn speaks(backend: &str) {
-    let pair = Pair::new(backend, LIMITS, &["--isolated"]);
+fn speaks(pair: Pair) {
     pair.moves();
     pair.flows();
     pair.near.ctl(&["call", "demo", "set_speed", "velocity=2"]).expect_code(0);
@@ -38,10 +37,15 @@ fn speaks(backend: &str) {
 
 #[test]
 fn a_component_without_network_rights_speaks_ros_2_through_its_gateway() {
-    speaks("ros2");
+    speaks(Pair::new("ros2", LIMITS, &["--isolated"]));
 }
 
 #[test]
 fn a_component_without_network_rights_speaks_zenoh_through_its_gateway() {
-    speaks("zenoh");
+    speaks(Pair::new("zenoh", LIMITS, &["--isolated"]));
+}
+
+#[test]
+fn a_component_without_network_rights_speaks_ros_2_over_zenoh_through_its_gateway() {
+    speaks(Pair::over_zenoh(LIMITS, &["--isolated"]));
 }

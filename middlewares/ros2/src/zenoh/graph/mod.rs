@@ -205,6 +205,18 @@ impl Graph {
         own.chain(theirs.map(|(end, _)| (end.ty.clone(), end.hash.clone()))).collect()
     }
 
+    /// Type and hash, as tokens spell them, of the server of this name in the session of that end:
+    /// a caller's type of equal members may have another name.
+    pub(crate) fn server(&self, name: &str, beside: Gid) -> Option<(String, String)> {
+        let state = self.lock();
+        let (of, _) = state.found.values().find(|(_, gid)| *gid == beside)?;
+        let is_it = |end: &&End| {
+            end.kind == Kind::Server && end.name == name && end.node.session == of.node.session
+        };
+        let server = state.found.values().map(|(end, _)| end).find(is_it)?;
+        Some((server.ty.clone(), server.hash.clone()))
+    }
+
     /// The ends of ROS nodes and daemons on a topic, without those of this daemon.
     pub(crate) fn others(&self, name: &str) -> Vec<End> {
         let state = self.lock();
