@@ -1,22 +1,12 @@
 //! The memory layout of a type, for programs that share memory with the daemon.
-//!
-//! The types that it consists of are listed once each, itself first, and refer to each other by
-//! index. This works for recursive types as well.
-
-use std::collections::BTreeMap;
 
 use genom_protocol::{MessageType, PortType};
-use genom_types::{DataType, Kind, Label, TypeId, UnionMember, message};
-use serde_json::{Map, Value, json};
+use genom_types::{DataType, Outline, message};
 
-/// Describes a type and all types that it consists of.
+/// Describes a type and all types that it consists of, itself first.
 pub fn of(ty: &DataType) -> PortType {
-    let mut walk = Walk::default();
-    walk.place(Some(ty.clone()));
-    let mut described = Vec::new();
-    while let Some(next) = walk.all.get(described.len()).cloned() {
-        described.push(walk.describe(&next));
-    }
+    let mut outline = Outline::default();
+    outline.place(ty.clone());
     PortType {
         ty: ty.name().to_owned(),
         digest: ty.digest().to_owned(),
@@ -24,118 +14,6 @@ pub fn of(ty: &DataType) -> PortType {
             name: message::message_name(ty).to_string(),
             definition: message::message_definition(ty),
         },
-        types: described,
-    }
-}
-
-#[derive(Default)]
-struct Walk {
-    all: Vec<DataType>,
-    places: BTreeMap<TypeId, usize>,
-}
-
-impl Walk {
-    /// Index of a type in the list; `null` for none.
-    fn place(&mut self, ty: Option<DataType>) -> Value {
-        let Some(ty) = ty else { return Value::Null };
-        let place = *self.places.entry(ty.id()).or_insert(self.all.len());
-        if place == self.all.len() {
-            self.all.push(ty);
-        }
-        place.into()
-    }
-
-    fn describe(&mut self, ty: &DataType) -> Map<String, Value> {
-        let mut out = Map::new();
-        out.insert("kind".into(), ty.kind().keyword().into());
-        out.insert("name".into(), ty.name().into());
-        // For a typedef, the name of the type it stands for.
-        if let Some(name) = ty.kind().name() {
-            out.insert("full_name".into(), name.to_string().into());
-        }
-        out.insert("size".into(), ty.size().into());
-        out.insert("align".into(), ty.align().into());
-        out.insert("fixed".into(), ty.is_fixed_size().into());
-        match ty.kind() {
-            Kind::Struct { .. } | Kind::Exception { .. } => {
-                out.insert("members".into(), self.members(ty, &[]));
-            }
-            Kind::Union { discriminant, members, .. } => {
-                let switched = DataType::new(ty.table(), *discriminant).ok();
-                out.insert("discriminant".into(), self.place(switched));
-                out.insert("members".into(), self.members(ty, members));
-            }
-            Kind::Enum { enumerators, .. } => {
-                out.insert("enumerators".into(), json!(enumerators));
-            }
-            Kind::String { bound } => {
-                out.insert("bound".into(), json!(bound));
-            }
-            Kind::Sequence { bound, .. } => {
-                out.insert("bound".into(), json!(bound));
-                out.insert("element".into(), self.place(ty.element()));
-                out.insert("offsets".into(), json!(ty.layout().offsets));
-            }
-            Kind::Array { length, .. } => {
-                out.insert("length".into(), json!(length));
-                out.insert("element".into(), self.place(ty.element()));
-            }
-            Kind::Optional { .. } => {
-                out.insert("element".into(), self.place(ty.element()));
-                out.insert("offsets".into(), json!(ty.layout().offsets));
-            }
-            _ => {}
-        }
-        out
-    }
-
-    fn members(&mut self, ty: &DataType, cases: &[UnionMember]) -> Value {
-        let mut members = Vec::new();
-        for index in 0..ty.member_count() {
-            let place = self.place(ty.member(index));
-            let mut member = json!({
-                "name": ty.member_name(index),
-                "offset": ty.member_offset(index),
-                "type": place,
-            });
-            if let (Some(case), Some(member)) = (cases.get(index), member.as_object_mut()) {
-                let labels: Vec<Value> = case.labels.iter().copied().map(label).collect();
-                member.insert("labels".into(), labels.into());
-            }
-            members.push(member);
-        }
-        members.into()
-    }
-}
-
-/// A `case` label as a number, `null` for `default`.
-fn label(label: Label) -> Value {
-    match label {
-        Label::Value(value) => i64::try_from(value)
-            .map_or_else(|_| json!(u64::try_from(value).ok()), |value| json!(value)),
-        Label::Default => Value::Null,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::sync::Arc;
-
-    use genom_types::{Member, ScopedName, TypeTable};
-
-    #[test]
-    fn a_type_that_contains_itself_is_described_once() {
-        let mut table = TypeTable::default();
-        let name = ScopedName::new(["m", "node"]);
-        let node = table.add(Kind::Forward { name: name.clone(), union: false });
-        let nodes = table.add(Kind::Sequence { element: node, bound: None });
-        let members = vec![Member { name: "next".to_owned(), ty: nodes }];
-        table.complete(node, Kind::Struct { name, members });
-        let described = of(&DataType::new(&Arc::new(table), node).unwrap());
-        assert_eq!(described.types.len(), 2);
-        assert_eq!(described.types[0]["members"][0]["type"], 1);
-        assert_eq!(described.types[1]["element"], 0);
-        assert_eq!(described.types[1]["offsets"], json!([0, 4, 8, 16]));
+        types: outline.types(),
     }
 }
