@@ -166,6 +166,8 @@ impl Home {
         command.env_clear().env("PATH", std::env::var_os("PATH").unwrap_or_default());
         // Reports of crashes go with the test.
         command.env("XDG_STATE_HOME", self.path().join("state"));
+        // For cells that run codels in Python.
+        command.env("PYTHONPATH", crate::repository().join("clients/python/src"));
         command.current_dir(self.path());
         command.arg("--config").arg(self.path().join("genomd.toml"));
         command.arg("--socket").arg(self.socket()).args(arguments);

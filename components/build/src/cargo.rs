@@ -51,7 +51,8 @@ pub fn build_programs<const N: usize>(
     let (option, mut arguments) = match purpose {
         Purpose::Use => ("--package", Vec::new()),
         // Any test will do; this one is of the package that has this function.
-        Purpose::Test => ("--bin", vec!["--workspace", "--test", "builds"]),
+        // The library is what cells with codels in Python load, beside the programs.
+        Purpose::Test => ("--bin", vec!["--workspace", "--test", "builds", "--lib"]),
     };
     arguments.extend(names.iter().flat_map(|name| [option, *name]));
     let artifacts = cargo_build(paths, Progress::Shown, &arguments)?;

@@ -1,4 +1,4 @@
-//! Builds the components of this repository, each as `NAME.so` with `NAME.gen` beside it.
+//! Builds the components of this repository, each as `NAME.so`, or `NAME.py`, with `NAME.gen` beside it.
 //!
 //! It is used by tests and by `cargo demo`. It is not a build system for other components, whose
 //! codels may be compiled in any way.
@@ -31,7 +31,7 @@ pub struct Artifact {
     /// Name of its directory under `target/components/`. The figures of the two papers are
     /// `demo-2010` and `demo-2011`, although the name of both components is `demo`.
     pub name: String,
-    /// Path of the library.
+    /// Path of the library, or of the script of codels in Python.
     pub library: PathBuf,
     /// Path of the `.gen` file beside it.
     pub description: PathBuf,
@@ -77,14 +77,19 @@ fn lock(paths: &Paths) -> Result<File, BuildError> {
 fn make(paths: &Paths, recipe: &Recipe) -> Result<Artifact, BuildError> {
     let directory = paths.target.join("components").join(&recipe.name);
     std::fs::create_dir_all(&directory).map_err(BuildError::file(&directory))?;
+    let kind = if recipe.language == Language::Python { "py" } else { "so" };
     let artifact = Artifact {
         name: recipe.name.clone(),
-        library: directory.join(format!("{}.so", recipe.stem)),
+        library: directory.join(format!("{}.{kind}", recipe.stem)),
         description: directory.join(format!("{}.gen", recipe.stem)),
     };
     match recipe.language {
         Language::C => compile::library(paths, recipe, &artifact.library)?,
         Language::Rust => cargo::library(paths, recipe, &artifact.library)?,
+        Language::Python => {
+            let script = recipe.directory.join(format!("{}.py", recipe.stem));
+            copy_if_changed(&script, &artifact.library)?;
+        }
     }
     for source in &recipe.descriptions {
         let name = match source.extension() {

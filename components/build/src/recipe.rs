@@ -11,6 +11,8 @@ pub(crate) enum Language {
     C,
     /// Rust: the workspace's package that has the component's name.
     Rust,
+    /// Python: a file that is run as it is.
+    Python,
 }
 
 /// How one component is built.
@@ -57,6 +59,12 @@ impl Recipe {
         self
     }
 
+    /// The same, with codels in Python, in `directory/stem.py`.
+    fn in_python(mut self) -> Self {
+        self.language = Language::Python;
+        self
+    }
+
     /// The sources of its codels.
     pub(crate) fn sources(&self) -> Result<Vec<PathBuf>, BuildError> {
         files(&self.directory.join("codels"), &["c", "cc"])
@@ -79,6 +87,7 @@ pub(crate) fn all(root: &Path) -> Result<Vec<Recipe>, BuildError> {
         Recipe::new("demo-2011", "demo", demo.join("papers/2011"))?,
         Recipe::new("demo-rs", "demo-rs", demo)?.in_rust(),
         Recipe::new("demo-cpp", "demo-cpp", components.join("demo-cpp"))?,
+        Recipe::new("demo-py", "demo-py", components.join("demo-py"))?.in_python(),
         Recipe::new("mission", "mission", components.join("mission"))?,
         Recipe::new("camera", "camera", components.join("camera"))?.sharing(&images),
         Recipe::new("stereo", "stereo", components.join("stereo"))?.sharing(&images).in_rust(),

@@ -23,6 +23,7 @@ use crate::journal::{self, Journal};
 use crate::place::Place;
 use crate::policy::{Limit, Restarts};
 use crate::process::Process;
+use crate::program::refusal;
 use crate::setup::{Setup, Told};
 
 /// How long a request waits for a cell whose process is starting.
@@ -378,8 +379,9 @@ impl Cell {
         let started = match self.setup.write_config(&self.name, &self.place) {
             Ok(()) => {
                 let memory = self.setup.boxes.begin(&self.name);
-                let (program, dumps) = (&self.setup.program, self.setup.config.crashes.minidump);
-                Process::start(program, &self.name, &self.place, memory.as_deref(), dumps)
+                let command = self.setup.command(&self.place);
+                let dumps = self.setup.config.crashes.minidump;
+                Process::start(command, &self.name, &self.place, memory.as_deref(), dumps)
                     .map_err(|error| error.to_string())
             }
             Err(error) => Err(error.to_string()),
@@ -395,7 +397,7 @@ impl Cell {
         self.with(|state| (state.pid, state.dump) = (Some(process.pid()), process.dump()));
         let limit = self.setup.settings.ready_timeout;
         tokio::select! {
-            end = self.end_of(process) => return match self.place.taken_refusal() {
+            end = self.end_of(process) => return match refusal(&self.place, &end).await {
                 Some(why) => End::Refused(why),
                 None => self.for_a_rule(end).await,
             },

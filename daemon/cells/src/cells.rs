@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use genom_protocol::{Component, CrashReport, Crashes, LoadRequest, Unloaded, routes};
+use genom_supervisor::loading::names_script;
 use rustix::process::Signal;
 use tokio::task::JoinSet;
 
@@ -170,6 +171,7 @@ impl Cells {
                 let place = place.and_then(|place| place.make().map(|()| place));
                 let place = place.map_err(|error| OpenError::Place(Arc::new(error)))?;
                 self.grant(name, &place, libraries);
+                self.choose_interpreter(name, &place, libraries);
                 self.begin(name, place, None)
             }
         };
@@ -178,6 +180,17 @@ impl Cells {
             return Err(down.into());
         }
         Ok(cell)
+    }
+
+    /// A cell that begins with codels in Python is a process of their interpreter.
+    fn choose_interpreter(&self, name: &str, place: &Place, libraries: &[PathBuf]) {
+        let config = &self.setup.config;
+        let of = |library: &PathBuf| LoadRequest { library: library.clone(), ..Default::default() };
+        if libraries.iter().map(of).any(|request| names_script(&request, &config.path))
+            && let Err(error) = place.set_interpreter(config.cells.python.as_ref())
+        {
+            tracing::error!("cell {name}: its interpreter cannot be written down: {error}");
+        }
     }
 
     /// Lets a cell in a sandbox read where its libraries are.

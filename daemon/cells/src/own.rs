@@ -63,7 +63,9 @@ impl OwnCell {
     /// How libraries are tried that take the place of others.
     #[must_use]
     pub fn trials(&self) -> Trials {
-        Trials { place: self.place.trials(), program: std::env::current_exe().ok() }
+        // An interpreter tells what is wrong with a script without ending.
+        let program = std::env::current_exe().ok().filter(|_| !genom_host::interpreter::is_there());
+        Trials { place: self.place.trials(), program }
     }
 
     /// Prepares for a crash: a note for the daemon, a dump by it if it takes one, and a core dump
@@ -232,7 +234,8 @@ pub fn limit(file: &Path, config: &Config) -> Result<Vec<String>, OwnLimitError>
         return Err(OwnLimitError::NoExecute(temporary));
     }
     let program = std::env::current_exe().ok();
-    let read = config.path.iter().chain(&config.include).cloned().chain(program).collect();
+    let own = program.into_iter().chain(genom_host::interpreter::reads());
+    let read = config.path.iter().chain(&config.include).cloned().chain(own).collect();
     let mut write = genom_registry::places(&config.backends);
     write.push(place.to_owned());
     // A gateway opens its door; others knock there.

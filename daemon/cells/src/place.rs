@@ -4,10 +4,10 @@
 //! `journal.toml` (what it is to hold), `note` (what it tells when it crashes) and `pid`; of a cell in a sandbox, `tmp`, too, and
 //! `NAME.libraries` stands beside it. Only the daemon's user can enter it.
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::fs::{self, DirBuilder};
 use std::io::{self, Read as _};
-use std::os::unix::ffi::OsStrExt as _;
+use std::os::unix::ffi::{OsStrExt as _, OsStringExt as _};
 use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _};
 use std::path::{Path, PathBuf};
 
@@ -131,6 +131,7 @@ impl Place {
             tracing::warn!("{} stays behind: {error}", self.0.display());
         }
         let _ = fs::remove_file(self.libraries());
+        let _ = fs::remove_file(self.interpreter_file());
         // Refused as long as another cell has its own there.
         let _ = self.0.parent().map(fs::remove_dir);
     }
@@ -198,6 +199,22 @@ impl Place {
     #[must_use]
     pub fn libraries(&self) -> PathBuf {
         self.0.with_extension("libraries")
+    }
+
+    /// The interpreter that its process is to run, if its codels are scripts. The file stands beside
+    /// the directory, where the cell itself cannot write.
+    pub(crate) fn interpreter(&self) -> Option<OsString> {
+        let name = fs::read(self.interpreter_file()).ok()?;
+        (!name.is_empty()).then(|| OsString::from_vec(name))
+    }
+
+    /// Says which interpreter its process is to run, from its next start on.
+    pub(crate) fn set_interpreter(&self, name: &OsStr) -> io::Result<()> {
+        fs::write(self.interpreter_file(), name.as_bytes())
+    }
+
+    fn interpreter_file(&self) -> PathBuf {
+        self.0.with_extension("interpreter")
     }
 
     /// Lets a cell in a sandbox read this directory, from its next start on.

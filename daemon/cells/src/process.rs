@@ -52,12 +52,12 @@ pub(crate) struct Process {
 }
 
 impl Process {
-    /// Starts `program --run-cell NAME` with the files at this place. The child is made by
+    /// Starts this program with `--run-cell NAME` and the files at this place. The child is made by
     /// `posix_spawn`: a fork would copy the page tables of the daemon while its real-time threads
     /// run, which costs them periods. In a process group of its own it gets no signal of the
     /// daemon's terminal.
     pub(crate) fn start(
-        program: &Path,
+        mut command: Command,
         name: &str,
         place: &Place,
         memory: Option<&Memory>,
@@ -66,7 +66,6 @@ impl Process {
         let dumper = dumps.then(UnixStream::pair).transpose()?;
         let their_dumper = dumper.as_ref().map(|(_, theirs)| theirs.as_fd());
         let (lease, theirs) = lend(memory, their_dumper)?;
-        let mut command = Command::new(program);
         command
             .arg("--run-cell")
             .arg(name)
@@ -80,7 +79,11 @@ impl Process {
         if place.temporary().is_dir() {
             command.env("TMPDIR", place.temporary());
         }
-        let pid = Pid::from_child(&command.spawn()?);
+        let child = command.spawn().map_err(|error| {
+            let program = Path::new(command.get_program()).display();
+            io::Error::new(error.kind(), format!("{program}: {error}"))
+        })?;
+        let pid = Pid::from_child(&child);
         let dump = Dump::default();
         if let Some((ours, theirs)) = dumper {
             drop(theirs);

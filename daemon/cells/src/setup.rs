@@ -4,6 +4,7 @@ use std::fs::DirBuilder;
 use std::io;
 use std::os::unix::fs::DirBuilderExt as _;
 use std::path::PathBuf;
+use std::process::Command;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -19,6 +20,7 @@ use crate::crashes::Reports;
 use crate::done::Doing;
 use crate::end::End;
 use crate::place::Place;
+use crate::program::in_python;
 use crate::theirs;
 
 /// What holds for all cells of a daemon.
@@ -98,6 +100,14 @@ impl Cause {
 }
 
 impl Setup {
+    /// What starts a process of the cell with files at this place.
+    pub(crate) fn command(&self, place: &Place) -> Command {
+        match place.interpreter() {
+            Some(interpreter) => in_python(&interpreter),
+            None => Command::new(&self.program),
+        }
+    }
+
     pub(crate) fn tell(&self, told: Told) {
         (self.hears)(told);
     }

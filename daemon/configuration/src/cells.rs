@@ -27,6 +27,8 @@ pub struct CellsSection {
     pub alive_timeout: f64,
     /// What cells do when the daemon ends without having stopped them.
     pub without_daemon: WithoutDaemon,
+    /// The interpreter that runs codels in Python.
+    pub python: String,
     /// What each cell may use.
     pub limits: CellLimits,
 }
@@ -53,6 +55,7 @@ impl Default for CellsSection {
             ready_timeout: 60.0,
             alive_timeout: 5.0,
             without_daemon: WithoutDaemon::Continue,
+            python: "python3".to_owned(),
             limits: CellLimits::default(),
         }
     }

@@ -20,15 +20,29 @@ pub struct Contents {
 /// Identifies contents: a SHA-256.
 pub type Digest = [u8; 32];
 
+/// Whether the codels in this file are a script: text that an interpreter runs.
+#[must_use]
+pub fn is_script(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "py")
+}
+
 impl Contents {
-    /// Reads the file at `path`.
+    /// Reads the file at `path`: a shared object, or a script, which is not looked at here.
     ///
     /// # Errors
     /// The file is missing, truncated or damaged, or no shared object for this machine.
     pub fn read(path: &Path) -> Result<Self, OpenError> {
         let bytes = read::read(path)?;
-        read::check(path, &bytes)?;
+        if !is_script(path) {
+            read::check(path, &bytes)?;
+        }
         Ok(Self { path: path.to_owned(), bytes })
+    }
+
+    /// Whether this is a script.
+    #[must_use]
+    pub fn is_script(&self) -> bool {
+        is_script(&self.path)
     }
 
     /// The description embedded in the symbol `genom_description`.

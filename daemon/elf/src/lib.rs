@@ -7,7 +7,7 @@ mod error;
 mod read;
 mod sections;
 
-pub use contents::{Contents, Digest};
+pub use contents::{Contents, Digest, is_script};
 pub use error::OpenError;
 pub use read::{EmbeddedDescription, Finishers, Segment, description_of, finishers};
 pub use read::{mangled, needs, segments, uses_origin};

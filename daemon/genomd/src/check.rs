@@ -3,8 +3,10 @@
 //! The library is opened, which runs its constructors, but no codels are called.
 
 use std::io::Write as _;
+use std::process::Stdio;
 
-use genom_supervisor::loading::{self, LoadError, check_reactions};
+use genom_configuration::LoadRequest;
+use genom_supervisor::loading::{self, check_reactions};
 
 use crate::run::{Refusal, told};
 use crate::settings::Settings;
@@ -26,19 +28,58 @@ pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
         return Err(Refusal::usage("--check goes with the libraries to check"));
     }
     let refused = settings.deployment.component.iter().filter_map(|request| {
+        if loading::names_script(request, &settings.supervisor.path)
+            && !genom_host::interpreter::is_there()
+        {
+            return refused_in_python(&settings, request);
+        }
         match loading::fit(&settings.supervisor, request) {
             Ok(line) => {
                 // A closed pipe is not a failure.
                 let _ = writeln!(std::io::stdout().lock(), "{line}");
                 None
             }
-            Err(error) => Some(error),
+            Err(error) => Some(error.to_string()),
         }
     });
-    let mut refused: Vec<String> = refused.map(|error: LoadError| error.to_string()).collect();
+    let mut refused: Vec<String> = refused.collect();
     let reactions = check_reactions(&settings.supervisor, &settings.deployment, |_| false);
     if let Err((place, error)) = reactions {
         refused.push(told(&settings, &place, &error));
     }
     if refused.is_empty() { Ok(()) } else { Err(Refusal::component(refused.join("\n"))) }
+}
+
+/// Has the interpreter of its codels check a component, in a process that prints the result; returns
+/// why it is refused.
+fn refused_in_python(settings: &Settings, request: &LoadRequest) -> Option<String> {
+    let interpreter = &settings.config.cells.python;
+    let mut command = genom_cells::in_python(interpreter.as_ref());
+    command.arg("--check");
+    for (option, directories) in
+        [("--path", &settings.supervisor.path), ("--include", &settings.supervisor.include)]
+    {
+        directories.iter().for_each(|directory| _ = command.arg(option).arg(directory));
+    }
+    if let Some(description) = &request.gen_file {
+        command.arg("--gen").arg(description);
+    }
+    let library = request.library.display();
+    match command.arg(&request.library).stderr(Stdio::piped()).output() {
+        Ok(done) => {
+            let _ = std::io::stdout().lock().write_all(&done.stdout);
+            let said = String::from_utf8_lossy(&done.stderr);
+            let said = said.trim_end();
+            let said = said.strip_prefix("error: ").unwrap_or(said);
+            if done.status.success() {
+                return None;
+            }
+            let lacks = genom_cells::lacks_package(interpreter.as_ref());
+            Some(lacks.map_or_else(|| said.to_owned(), |why| format!("{library}: {why}")))
+        }
+        Err(error) => Some(format!(
+            "{library}: its codels are in Python, and `{interpreter}` does not run: {error}; \
+             cells.python names the interpreter"
+        )),
+    }
 }

@@ -1,7 +1,6 @@
 //! Why the daemon does not run, or ended.
 
 use std::io::Write as _;
-use std::process::ExitCode;
 
 use genom_host::StandardError;
 
@@ -38,12 +37,12 @@ impl Refusal {
         &self.message
     }
 
-    /// Prints the message on standard error.
-    pub(crate) fn report(&self) -> ExitCode {
+    /// Prints the message on standard error; returns the exit status.
+    pub(crate) fn report(&self) -> u8 {
         // Formatted diagnostics of a description begin with `error` themselves.
         let prefix = if self.message.starts_with("error") { "" } else { "error: " };
         let text = format!("{prefix}{}\n", self.message.trim_end());
         let _ = StandardError::get().write_all(text.as_bytes());
-        ExitCode::from(self.status)
+        self.status
     }
 }

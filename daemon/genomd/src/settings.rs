@@ -12,7 +12,7 @@ use genom_registry::Gateways;
 use genom_supervisor::settings::Settings as Supervised;
 
 use crate::cli::Cli;
-use genom_cells::{Lease, OwnCell};
+use genom_cells::{Lease, OwnCell, isolate_scripts};
 use genom_systemd::Invitation;
 use genom_telemetry::Collector;
 
@@ -90,6 +90,10 @@ impl Settings {
             UsageError::Daemon { file, why }
         })?;
         deployment.component.extend(components);
+        // A cell runs what its daemon put there.
+        if cli.run_cell.is_none() {
+            isolate_scripts(&mut deployment.component, &config.path);
+        }
         let mut supervised = Supervised::from(config.clone());
         if !config.gateways.of.is_empty() {
             let daemon = config.gateways.daemon.as_ref().unwrap_or(&rpc.socket);

@@ -170,6 +170,7 @@ impl Vigil {
             codel.owner,
             seconds(codel.for_ns)
         );
+        genom_host::interpreter::tell_where(&codel.codel);
         true
     }
 }

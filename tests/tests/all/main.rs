@@ -26,6 +26,7 @@ mod freezing;
 mod gateways;
 mod process;
 mod projects;
+mod python;
 mod reload;
 mod scenarios;
 mod tree;

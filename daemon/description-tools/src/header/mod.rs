@@ -10,6 +10,7 @@ mod error;
 mod guard;
 mod handle;
 mod order;
+mod python;
 mod rust;
 mod signatures;
 mod types;
@@ -34,6 +35,8 @@ pub enum Language {
     Cxx,
     /// Rust, for plain `extern "C"` codels.
     Rust,
+    /// Python: a stub of the types, for editors.
+    Python,
 }
 
 /// The header of one component, or of all, with the prototypes of codels.
@@ -76,6 +79,7 @@ pub fn mappings(
     }
     match language {
         Language::Rust => Ok(rust::write(spec, &chosen, &records)),
+        Language::Python => Ok(python::write(spec, &chosen, &records)),
         Language::Cxx if chosen.iter().any(|c| c.lang == "c++") => {
             if let [Some(cxx), Some(c)] =
                 [true, false].map(|cxx| chosen.iter().find(|c| (c.lang == "c++") == cxx))

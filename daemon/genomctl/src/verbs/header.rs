@@ -31,6 +31,8 @@ enum Lang {
     #[value(name = "c++", alias = "cpp", alias = "cxx")]
     Cxx,
     Rust,
+    /// A stub of the types for editors, to be kept as `NAME_types.pyi` beside the codels.
+    Python,
 }
 
 pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
@@ -39,6 +41,7 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
         Lang::C => Language::C,
         Lang::Cxx => Language::Cxx,
         Lang::Rust => Language::Rust,
+        Lang::Python => Language::Python,
     };
     let header = tools::header(&analysis.specification, args.component.as_deref(), language)
         .map_err(|error| Failure::refused("header", error.to_string()))?;

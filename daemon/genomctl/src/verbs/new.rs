@@ -37,6 +37,7 @@ enum Lang {
     #[value(name = "c++", alias = "cpp", alias = "cxx")]
     Cxx,
     Rust,
+    Python,
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -69,6 +70,11 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let codels = match args.lang {
         Lang::C => args.compiled(Language::C),
         Lang::Cxx => args.compiled(Language::Cxx),
+        Lang::Python if args.with.is_some() => {
+            let message = "nothing builds codels in Python".to_owned();
+            return Err(Failure::usage(message, "leave out --with"));
+        }
+        Lang::Python => Codels::Python,
         Lang::Rust if args.with.is_some() => {
             let message = "cargo builds components in Rust".to_owned();
             return Err(Failure::usage(message, "leave out --with"));
@@ -92,7 +98,11 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     }
     let place = directory.display();
     let library = library(&args.name, codels);
-    text.push_str(&format!("next: genomctl build {place} && genomd {place}/{library}\n"));
+    let built = match codels {
+        Codels::Compiled(..) | Codels::Rust { .. } => format!("genomctl build {place} && "),
+        Codels::Python => String::new(),
+    };
+    text.push_str(&format!("next: {built}genomd {place}/{library}\n"));
     if session.json {
         let list: Vec<_> = files.iter().map(|file| directory.join(&file.path)).collect();
         return session.print(&format!("{}\n", json!({ "files": list })));

@@ -33,6 +33,7 @@ fn a_header_holds_types_and_prototypes() {
         ("c", "typedef struct arm_angle arm_angle;", c),
         ("c++", "typedef struct arm_angle arm_angle;", c),
         ("rust", "pub struct arm_angle {", "pub type arm_begin_codel = unsafe extern \"C\" fn("),
+        ("python", "class angle(View):", "class FAR(Raised):"),
     ] {
         let (code, out, err) =
             room.run(&format!("header --lang {lang} --component arm arm.gen"), "");
@@ -68,7 +69,7 @@ fn a_header_holds_types_and_prototypes() {
         "header --lang go arm.gen",
         &expect![[r#"
         ! error: invalid value 'go' for '--lang <LANG>'
-        !   [possible values: c, c++, rust]
+        !   [possible values: c, c++, rust, python]
         !
         ! For more information, try '--help'.
         exit 2

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
-use genom_cells::Cells;
+use genom_cells::{Cells, isolate_scripts};
 use genom_description_tools as tools;
 use genom_doors::{Body, RpcError};
 use genom_protocol::{
@@ -126,6 +126,9 @@ pub(crate) async fn load(
 ) -> Result<(StatusCode, Json<Component>), RpcError> {
     if daemon.cells.of(&request.instance()).is_some() {
         return Err(refused(&LoadError::Taken(request.instance())));
+    }
+    if daemon.own_cell.is_none() {
+        isolate_scripts([&mut request], &daemon.supervisor.settings.path);
     }
     match (&daemon.own_cell, request.cell.clone()) {
         (None, Some(cell)) => return load_into(&daemon, &cell, &request).await,

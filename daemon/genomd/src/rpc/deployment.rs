@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use axum::extract::State;
 use axum::{Extension, Json};
-use genom_cells::{Cells, DeployError};
+use genom_cells::{Cells, DeployError, isolate_scripts};
 use genom_configuration::{Config, ConfigError, Deployment, Right, Spot};
 use genom_doors::{Body, Holder, RpcError};
 use genom_protocol::{Applied, Code, DeploymentRequest, Dumped, RunningDeployment, TakenBack};
@@ -73,7 +73,9 @@ pub(crate) async fn apply(
         RpcError::bad_input(message).place("/timeout")
     })?;
     let supervisor = Arc::clone(&daemon.supervisor);
-    let whole = read(daemon.name.as_deref(), &wanted)?;
+    let mut whole = read(daemon.name.as_deref(), &wanted)?;
+    // In a cell, too, which so finds its part.
+    isolate_scripts(&mut whole.component, &supervisor.settings.path);
     // What names no component of any process is a mistake, which the daemon itself reports.
     let here = |name: &str| match &daemon.own_cell {
         Some(_) => supervisor.components.get(name).is_some(),

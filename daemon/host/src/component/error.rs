@@ -39,7 +39,8 @@ pub enum LoadError {
     /// The host cannot call codels in the component's language.
     #[error(
         "component `{component}` ({place}) has lang \"{lang}\": codels are called by the C \
-         interface (lang \"c\"; their sources may be C++ or Rust) or by that of C++ (lang \"c++\")"
+         interface (lang \"c\"; their sources may be C++ or Rust), by that of C++ (lang \"c++\"), or are \
+         functions in a file .py (lang \"python\")"
     )]
     Language {
         /// Name of the component.
@@ -49,6 +50,15 @@ pub enum LoadError {
         /// Its `lang`.
         lang: String,
     },
+    /// The process cannot load scripts.
+    #[error(
+        "codels in Python run in a cell that begins with them, and this process is none: give the \
+         component a cell of its own, or take those of other components out of it first"
+    )]
+    NoInterpreter,
+    /// The script does not fit the description.
+    #[error("{0}")]
+    Codels(String),
     /// The codels are linked with another C++ library than the host.
     #[error(
         "component `{component}` is linked with libc++, this daemon with libstdc++: texts and \

@@ -34,7 +34,7 @@ use serde_json::Value;
 use crate::contract;
 use crate::library::{Contents, Library};
 use inner::Inner;
-use parts::Parts;
+use parts::{Parts, SCRIPTED};
 use types::Checker;
 
 /// One instance of a component: its private copy of the library, its IDS, ports and remotes.
@@ -73,6 +73,33 @@ impl Component {
         locate: &dyn Fn(Span) -> String,
     ) -> Result<Self, LoadErrors> {
         Self::make(library, plan, locate, false)
+    }
+
+    /// Has the interpreter of this process load a script, as [`load`](Self::load) does a library.
+    ///
+    /// # Errors
+    /// As for `load`; or the process has no interpreter, or the script does not fit.
+    pub fn load_script(
+        script: Contents,
+        plan: &Plan,
+        locate: &dyn Fn(Span) -> String,
+    ) -> Result<Self, LoadErrors> {
+        let refuse = |errors| LoadErrors { library: script.path.clone(), errors };
+        let model = plan.component();
+        if model.lang != SCRIPTED {
+            let (component, place, lang) = (&model.name, locate(model.span), &model.lang);
+            return Err(refuse(vec![LoadError::Codels(format!(
+                "codels in Python, but component `{component}` ({place}) has lang \"{lang}\": say \
+                 lang \"{SCRIPTED}\" there"
+            ))]));
+        }
+        let Some(interpreter) = genom_interpreter::own() else {
+            return Err(refuse(vec![LoadError::NoInterpreter]));
+        };
+        let given = interpreter
+            .load(&script, plan, locate)
+            .map_err(|errors| refuse(errors.into_iter().map(LoadError::Codels).collect()))?;
+        Self::make(Library::of_script(script, given), plan, locate, false)
     }
 
     fn make(

@@ -24,6 +24,9 @@ use crate::ports::{InCxx, Ports};
 use crate::remotes::{Remotes, Signature};
 use crate::shared::Shared;
 
+/// `lang` of components whose codels are a script.
+pub(super) const SCRIPTED: &str = "python";
+
 /// Events that the host itself may pass to a library, besides declared exceptions.
 const GIVEN: &[&str] = &[
     "::genom::fatal",
@@ -53,7 +56,8 @@ pub(super) struct Parts {
 impl Parts {
     pub(super) fn new(checker: &mut Checker<'_>, plan: &Plan, library: &Library) -> Option<Self> {
         let model = plan.component();
-        if !["c", "c++"].contains(&model.lang.as_str()) {
+        let called = if library.is_script() { &[SCRIPTED][..] } else { &["c", "c++"] };
+        if !called.contains(&model.lang.as_str()) {
             checker.errors.push(LoadError::Language {
                 component: model.name.clone(),
                 place: (checker.locate)(model.span),

@@ -11,6 +11,7 @@ use super::inner::Meant;
 use super::last::Last;
 use super::zones::MemoryCheck;
 use crate::context::Context;
+use crate::detail::UNKEX;
 use crate::events::text;
 use crate::ffi::Thrown;
 
@@ -40,6 +41,15 @@ impl BoundFrame {
             tracing::error!("codel {} returned {event:p}, where no event is", codel.name);
             return self.fail(format!("{} returned {event:p}, where no event is", codel.name));
         };
+        if library.is_script() && text == UNKEX.as_bytes() {
+            let size = context.take_detail(event, text, &mut self.detail);
+            let detail =
+                size.and_then(|size| self.inner.details.to_json(UNKEX, &self.detail, size));
+            let what = detail.as_ref().and_then(|detail| detail["what"].as_str());
+            // As with an exception that escapes from a codel in C++.
+            let what = what.unwrap_or_default().to_owned();
+            return self.rested(codel).unwrap_or_else(|| self.fail(what));
+        }
         let Some(id) = self.inner.shared.events.get().id(text) else {
             return self.rested(codel).unwrap_or_else(|| self.unknown(event, text, context));
         };

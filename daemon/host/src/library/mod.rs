@@ -9,12 +9,13 @@ mod outlive;
 mod threads;
 mod timers;
 
-pub use genom_elf::{Contents, Digest, EmbeddedDescription, OpenError};
+pub use genom_elf::{Contents, Digest, EmbeddedDescription, OpenError, is_script};
 
 use std::path::{Path, PathBuf};
 
 use copy::PrivateCopy;
 use genom_elf as elf;
+use genom_interpreter::Given;
 use linker::{Handle, LinkError, Mapping};
 
 /// Libraries of the system, by prefix of their file names: they contain no codels.
@@ -43,11 +44,20 @@ pub(crate) enum FoundFunction {
     Nowhere,
 }
 
+/// Where the code of a library is.
+#[derive(Debug)]
+enum Code {
+    /// Mapped by the dynamic linker.
+    Linked(Handle),
+    /// Made by an interpreter in this process.
+    Given(Given),
+}
+
 /// An open library; closed when dropped, when no thread may be running its code.
 #[derive(Debug)]
 pub struct Library {
     // Declared first: the library is unmapped before its copy is removed.
-    handle: Handle,
+    code: Code,
     copy: Option<PrivateCopy>,
     path: PathBuf,
     bytes: Vec<u8>,
@@ -124,12 +134,28 @@ impl Library {
         let Contents { path, bytes } = contents;
         let mappings = handle.place(&elf::segments(&bytes));
         let finishers = elf::finishers(&bytes);
-        Self { handle, copy, path, bytes, mappings, finishers }
+        Self { code: Code::Linked(handle), copy, path, bytes, mappings, finishers }
+    }
+
+    /// A script that an interpreter has loaded. Its text is kept as what was loaded.
+    #[must_use]
+    pub fn of_script(contents: Contents, given: Given) -> Self {
+        let Contents { path, bytes } = contents;
+        let (mappings, finishers) = (Vec::new(), None);
+        Self { code: Code::Given(given), copy: None, path, bytes, mappings, finishers }
+    }
+
+    /// Whether it is a script.
+    pub(crate) fn is_script(&self) -> bool {
+        matches!(self.code, Code::Given(_))
     }
 
     /// What was loaded, whatever the file holds by now; `None` if the copy is gone.
     pub(crate) fn contents(&self) -> Option<Contents> {
-        let bytes = std::fs::read(self.copy.as_ref()?.path()).ok()?;
+        let bytes = match (&self.code, &self.copy) {
+            (Code::Given(_), _) => self.bytes.clone(),
+            (Code::Linked(_), copy) => std::fs::read(copy.as_ref()?.path()).ok()?,
+        };
         Some(Contents { path: self.path.clone(), bytes })
     }
 
@@ -147,9 +173,12 @@ impl Library {
         elf::description_of(&self.path, &self.bytes)
     }
 
-    /// Frees the memory with the content of the file, which is not needed any more.
+    /// Frees the memory with the content of the file, which is not needed any more; the text of a
+    /// script has no other copy.
     pub(crate) fn forget_contents(&mut self) {
-        self.bytes = Vec::new();
+        if !self.is_script() {
+            self.bytes = Vec::new();
+        }
     }
 
     /// Contents of the file, as loaded.
@@ -159,7 +188,8 @@ impl Library {
 
     /// Address of exported symbol `name` of this library or of what it is linked with.
     pub(crate) fn symbol(&self, name: &str) -> Option<usize> {
-        self.handle.symbol(name)
+        let Code::Linked(handle) = &self.code else { return None };
+        handle.symbol(name)
     }
 
     /// Address of symbol `name` if this library itself exports it.
@@ -169,6 +199,9 @@ impl Library {
 
     /// Finds C function `name` in this library, or in one that it is linked with, except the system's.
     pub(crate) fn function(&self, name: &str) -> FoundFunction {
+        if let Code::Given(given) = &self.code {
+            return given.function(name).map_or(FoundFunction::Nowhere, FoundFunction::At);
+        }
         let Some(at) = self.symbol(name) else { return FoundFunction::Nowhere };
         if self.own_symbol(name).is_some() {
             return FoundFunction::At(at);
@@ -199,6 +232,7 @@ impl Library {
     /// Whether the byte at `address` lies in this library's memory and is read-only.
     pub(crate) fn is_constant(&self, address: usize) -> bool {
         self.mappings.iter().any(|own| !own.writable && own.range.contains(&address))
+            || matches!(&self.code, Code::Given(given) if given.has_event(address))
     }
 }
 

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use super::{Library, threads, timers};
+use super::{Code, Library, threads, timers};
 use crate::process;
 
 impl Library {
@@ -18,6 +18,10 @@ impl Library {
     /// Its signal handlers are removed. If there is a use, the library's finalisation functions run
     /// first, because they may end it.
     pub(crate) fn is_outlived(&mut self) -> bool {
+        // The interpreter, which is never unloaded, has the code.
+        if self.is_script() {
+            return false;
+        }
         let parts = self.mappings.iter().filter(|part| part.executable);
         let code: Vec<_> = parts.map(|part| part.range.clone()).collect();
         let mut uses = self.uses(&code);
@@ -31,13 +35,18 @@ impl Library {
                 self.path.display(),
                 uses.join(", ")
             );
-            self.handle.keep();
+            if let Code::Linked(handle) = &mut self.code {
+                handle.keep();
+            }
         }
         !uses.is_empty()
     }
 
     /// Whether a thread is in its code, or may be.
     pub(crate) fn is_run(&self) -> bool {
+        if self.is_script() {
+            return false;
+        }
         let parts = self.mappings.iter().filter(|part| part.executable);
         let code: Vec<_> = parts.map(|part| part.range.clone()).collect();
         let threads = threads::inside(&code);
@@ -80,9 +89,10 @@ impl Library {
         let (Some(first), Some(size)) = (place(finishers.at), place(finishers.size_at)) else {
             return false;
         };
+        let Code::Linked(handle) = &self.code else { return false };
         // SAFETY: the ELF file says that the table of these functions, and the word with its size,
         // are there.
-        unsafe { self.handle.finish(first, finishers.count, size) }
+        unsafe { handle.finish(first, finishers.count, size) }
         true
     }
 }

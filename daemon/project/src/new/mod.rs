@@ -26,6 +26,11 @@ const RUST_TYPES: &str = include_str!("../../templates/new/rust/src/types.rs");
 const RUST_CODELS: &str = include_str!("../../templates/new/rust/src/codels.rs");
 const RUST_README: &str = include_str!("../../templates/new/rust/README.more.md");
 
+// Python, which is not built.
+const PYTHON: &str = include_str!("../../templates/new/python/codels.py");
+const PYTHON_README: &str = include_str!("../../templates/new/python/README.md");
+const PYTHON_CI: &str = include_str!("../../templates/new/python/ci.yml");
+
 /// What the codels of a new component are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Codels<'a> {
@@ -36,6 +41,8 @@ pub enum Codels<'a> {
         /// The directory of crate `genom`, absolute: see [`crate::sdk::RUST`].
         sdk: &'a Path,
     },
+    /// Python.
+    Python,
 }
 
 /// Why a word cannot be the name of a component.
@@ -58,6 +65,7 @@ pub fn library(name: &str, codels: Codels<'_>) -> String {
         Codels::Compiled(_, tool) => tool.library(name),
         // As installed components are named; a crate may not have every name of a component.
         Codels::Rust { .. } => format!("target/debug/lib{name}_codels.so"),
+        Codels::Python => format!("{name}.py"),
     }
 }
 
@@ -68,10 +76,16 @@ pub fn files(name: &str, codels: Codels<'_>) -> Vec<File> {
     let interface = match codels {
         Codels::Compiled(Language::Cxx, _) => "c++",
         Codels::Compiled(Language::C, _) | Codels::Rust { .. } => "c",
+        Codels::Python => "python",
     };
     let (test, sources, built) = match codels {
         Codels::Compiled(_, tool) => (tool.test(), "codels", tool.built()),
         Codels::Rust { .. } => ("genomctl test", "src/codels.rs", "target/"),
+        Codels::Python => ("genomctl test", library.as_str(), "__pycache__/"),
+    };
+    let (readme, ci) = match codels {
+        Codels::Compiled(..) | Codels::Rust { .. } => (README, CI),
+        Codels::Python => (PYTHON_README, PYTHON_CI),
     };
     let fill = |text: &str| {
         text.replace("%NAME%", name)
@@ -85,9 +99,9 @@ pub fn files(name: &str, codels: Codels<'_>) -> Vec<File> {
     let mut list = vec![
         File::new(format!("{name}.gen"), fill(GEN)),
         File::new("tests/moves.toml", fill(MOVES)),
-        File::new("README.md", fill(README)),
+        File::new("README.md", fill(readme)),
         File::new(format!("{name}.toml"), fill(DEPLOYMENT)),
-        File::new(".github/workflows/ci.yml", fill(CI)),
+        File::new(".github/workflows/ci.yml", fill(ci)),
         File::new(".gitignore", fill(IGNORED)),
     ];
     match codels {
@@ -98,6 +112,7 @@ pub fn files(name: &str, codels: Codels<'_>) -> Vec<File> {
             list.push(File::new(path, sheet.text()));
             list.extend(tool.files(name, &fill(GEN), language, sheet));
         }
+        Codels::Python => list.push(File::new(library.clone(), fill(PYTHON))),
         Codels::Rust { sdk } => {
             let sdk = sdk.to_string_lossy();
             // Within a string of TOML.
@@ -131,7 +146,7 @@ mod tests {
         let compiled = [Language::C, Language::Cxx]
             .into_iter()
             .flat_map(|language| tools.map(|tool| Codels::Compiled(language, tool)));
-        for codels in compiled.chain([Codels::Rust { sdk }]) {
+        for codels in compiled.chain([Codels::Rust { sdk }, Codels::Python]) {
             let files = files("arm", codels);
             let gen_file = files.iter().find(|file| file.path.ends_with("arm.gen")).unwrap();
             let analysis = read_text("arm.gen", &gen_file.text, &Options::default());

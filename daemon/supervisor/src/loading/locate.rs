@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use genom_host::{Contents, EmbeddedDescription};
+use genom_host::{Contents, EmbeddedDescription, is_script};
 
 use super::installed;
 use crate::known::Description;
@@ -47,6 +47,12 @@ pub enum LocateError {
     Library(#[from] genom_host::OpenError),
 }
 
+/// Whether the codels that a request names are a script, which only a process with an interpreter
+/// loads; `false` for what is not found. Runs no program.
+pub fn names_script(request: &LoadRequest, path: &[PathBuf]) -> bool {
+    library_of(&request.library, path).is_some_and(|library| is_script(&library))
+}
+
 fn list(paths: &[PathBuf]) -> String {
     let shown: Vec<_> = paths.iter().map(|path| path.display().to_string()).collect();
     shown.join(" nor ")
@@ -55,16 +61,8 @@ fn list(paths: &[PathBuf]) -> String {
 /// Finds library and description for a request; `path` is the component path.
 pub(crate) fn locate(request: &LoadRequest, path: &[PathBuf]) -> Result<Located, LocateError> {
     let wanted = &request.library;
-    let named_gen = wanted.extension().is_some_and(|extension| extension == "gen");
-    let library = if named_gen {
-        find_description(wanted, path)
-            .and_then(|found| beside(&found).or_else(|| on_path(wanted, path)))
-    } else if is_library(wanted) {
-        existing(wanted.clone()).or_else(|| named_on_path(wanted, path))
-    } else {
-        beside(wanted).or_else(|| on_path(wanted, path)).or_else(|| anywhere(wanted))
-    };
-    let Some(library) = library else {
+    let named_gen = is_description(wanted);
+    let Some(library) = library_of(wanted, path).or_else(|| packaged(wanted)) else {
         if named_gen && find_description(wanted, path).is_none() {
             return Err(LocateError::NoSuchDescription(wanted.clone()));
         }
@@ -86,12 +84,28 @@ pub(crate) fn locate(request: &LoadRequest, path: &[PathBuf]) -> Result<Located,
     Ok(Located { library, description, contents })
 }
 
+/// Finds the library that a path or name stands for, without asking pkg-config.
+fn library_of(wanted: &Path, path: &[PathBuf]) -> Option<PathBuf> {
+    if is_description(wanted) {
+        find_description(wanted, path)
+            .and_then(|found| beside(&found).or_else(|| on_path(wanted, path)))
+    } else if is_library(wanted) {
+        existing(wanted.to_owned()).or_else(|| named_on_path(wanted, path))
+    } else {
+        beside(wanted).or_else(|| on_path(wanted, path)).or_else(|| with_genomd(wanted))
+    }
+}
+
+fn is_description(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "gen")
+}
+
 /// Where libtool puts the library of codels, below a project or the directory that it is built in.
 const LIBTOOL: &str = "codels/.libs";
 
 fn is_library(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    name.ends_with(".so") || name.contains(".so.")
+    name.ends_with(".so") || name.contains(".so.") || is_script(path)
 }
 
 fn existing(path: PathBuf) -> Option<PathBuf> {
@@ -134,22 +148,24 @@ fn on_path(wanted: &Path, path: &[PathBuf]) -> Option<PathBuf> {
     })
 }
 
-/// The library of a component that is installed with genomd or beside it, or that pkg-config knows.
-fn anywhere(wanted: &Path) -> Option<PathBuf> {
-    let name = wanted.to_str().filter(|_| is_bare(wanted))?;
-    let own = installed::own_prefix();
-    own.and_then(|prefix| on_path(wanted, &[prefix.join("lib/genomd"), prefix]))
-        .or_else(|| installed::library_by_package(name))
+/// The library of a component that is installed with genomd or beside it.
+fn with_genomd(wanted: &Path) -> Option<PathBuf> {
+    let prefix = installed::own_prefix().filter(|_| is_bare(wanted))?;
+    on_path(wanted, &[prefix.join("lib/genomd"), prefix])
 }
 
-/// Possible names of the library: `demo.so`, `libdemo_codels.so` (as GenoM3 names it) and
-/// `libdemo.so`.
+/// The library of a component that pkg-config knows: never a script.
+fn packaged(wanted: &Path) -> Option<PathBuf> {
+    let name = wanted.to_str().filter(|_| is_bare(wanted))?;
+    installed::library_by_package(name)
+}
+
+/// Possible names of the library: `demo.so`, `libdemo_codels.so` (as GenoM3 names it),
+/// `libdemo.so`, or for codels in Python `demo.py`.
 fn candidates(wanted: &Path) -> Vec<PathBuf> {
     let stem = wanted.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    [format!("{stem}.so"), format!("lib{stem}_codels.so"), format!("lib{stem}.so")]
-        .into_iter()
-        .map(|name| wanted.with_file_name(name))
-        .collect()
+    let names = ["{}.so", "lib{}_codels.so", "lib{}.so", "{}.py"];
+    names.map(|name| wanted.with_file_name(name.replace("{}", &stem))).to_vec()
 }
 
 /// The absolute path, whose parent directories are known.
@@ -191,7 +207,9 @@ fn project_description(library: &Path) -> Option<PathBuf> {
 fn description_of(library: &Path) -> Result<(Description, Option<Contents>), LocateError> {
     let beside = library.with_file_name(format!("{}.gen", component_name(library)));
     let contents = Contents::read(library)?;
-    if let Some(EmbeddedDescription { text, name }) = contents.description()? {
+    if !contents.is_script()
+        && let Some(EmbeddedDescription { text, name }) = contents.description()?
+    {
         // Its `#include` lines are relative to the library's directory.
         let name = name.map_or_else(|| beside.clone(), |name| library.with_file_name(name));
         return Ok((Description::Embedded { name, text }, Some(contents)));
@@ -210,6 +228,9 @@ fn description_of(library: &Path) -> Result<(Description, Option<Contents>), Loc
 /// `libdemo_codels-1.2.so`.
 fn component_name(library: &Path) -> String {
     let file = library.file_name().unwrap_or_default().to_string_lossy();
+    if is_script(library) {
+        return library.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    }
     let stem = file.split(".so").next().unwrap_or_default();
     let stem = stem.strip_prefix("lib").unwrap_or(stem);
     match stem.split_once("_codels") {
@@ -239,13 +260,24 @@ mod tests {
 
     #[test]
     fn a_description_finds_its_library() {
-        let scratch = scratch(&["demo.gen", "libdemo_codels.so", "x/arm.gen", "lib/arm/arm.so"]);
+        let scratch = scratch(&[
+            "demo.gen",
+            "libdemo_codels.so",
+            "x/arm.gen",
+            "lib/arm/arm.so",
+            "leg.gen",
+            "leg.py",
+        ]);
         let at = |name: &str| scratch.path().join(name);
         let found = locate(&request(at("demo.gen")), &[]).unwrap();
         assert_eq!(found.library, at("libdemo_codels.so"));
         assert_eq!(found.description, Description::File(at("demo.gen")));
         let found = locate(&request(at("x/arm.gen")), &[at("lib")]).unwrap();
         assert_eq!(found.library, at("lib/arm/arm.so"));
+        let found = locate(&request(at("leg.gen")), &[]).unwrap();
+        assert_eq!(found.library, at("leg.py"));
+        let found = locate(&request(at("leg.py")), &[]).unwrap();
+        assert_eq!(found.description, Description::File(at("leg.gen")));
     }
 
     #[test]

@@ -32,6 +32,7 @@ pub use built::text as date_in_utc;
 pub use error::LoadError;
 use genom_bus::Change;
 pub use genom_rules::NoSuchRule;
+pub use locate::names_script;
 pub use reactions::{IdleReaction, check_reactions};
 pub(crate) use source::{Source, texts_beside};
 
@@ -198,8 +199,11 @@ pub(crate) fn open(
         None => Contents::read(&located.library)?,
     };
     let digest = contents.digest();
-    let library = Library::of(contents).map_err(|error| explain(error, reading))?;
     let place = |span| reading.place(span);
+    if contents.is_script() {
+        return Ok((Component::load_script(contents, &reading.plan, &place)?, digest));
+    }
+    let library = Library::of(contents).map_err(|error| explain(error, reading))?;
     if reading.fits(&digest) {
         return Ok((Component::load_again(library, &reading.plan, &place)?, digest));
     }

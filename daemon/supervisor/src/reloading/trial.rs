@@ -84,8 +84,9 @@ impl Trial {
         let copy = build.request.instead.unwrap_or_else(|| {
             let digest: String =
                 build.digest.iter().take(6).map(|byte| format!("{byte:02x}")).collect();
+            let kind = if contents.is_script() { "py" } else { "so" };
             // No other process wrote one of this library here before.
-            place.join(format!("{}.{digest}.{}-{number}.so", hosted.name, std::process::id()))
+            place.join(format!("{}.{digest}.{}-{number}.{kind}", hosted.name, std::process::id()))
         });
         let record = place.join(format!("{}.json", hosted.name));
         let trial = Self { number, record, copy, described, in_use };

@@ -1,7 +1,50 @@
-//! The demo, used through `genomd --backend B demo.so` and `genomctl`.
+//! The demo, used through `genomd --backend B demo.so` and `genomctl`: with codels in C, and with codels
+//! in Python, in a cell of their own.
 
-use genom_tests::Daemon;
+use genom_tests::{Daemon, component, path};
 use serde_json::{Value, json};
+
+/// Each rule for the codels in one language.
+macro_rules! rules {
+    ($language:ident, $demo:literal: $($rule:ident)*) => {
+        mod $language {
+            $(#[test]
+            fn $rule() {
+                super::$rule($demo);
+            })*
+        }
+    };
+}
+
+/// The rules, for all languages.
+macro_rules! all_rules {
+    ($language:ident, $demo:literal) => {
+        rules! { $language, $demo:
+            the_demo_moves_to_its_goal_on_local
+            the_demo_moves_to_its_goal_on_shared_memory
+            the_demo_moves_to_its_goal_on_zenoh
+            the_demo_moves_to_its_goal_on_ros2
+            echo_follows_the_motion
+            echo_ends_after_the_count_asked
+            a_second_goto_stops_the_first_and_each_caller_is_told
+            abort_runs_the_stop_codel
+            abort_by_service_stops_all_its_activities
+            ctrl_c_on_a_waiting_start_aborts_the_activity
+            a_goal_out_of_range_is_an_exception_with_its_detail
+            an_emergency_stands_the_axis_still
+            info_reads_like_the_description
+        }
+    };
+}
+
+all_rules!(in_c, "demo");
+all_rules!(in_python, "demo-py");
+
+/// Starts a daemon with this demo.
+#[track_caller]
+fn start(demo: &str, backend: &str) -> Daemon {
+    Daemon::start(&["--backend", backend, path(&component(demo).library)])
+}
 
 /// Activity number that genomctl printed: `activity 3`.
 fn number(line: &str) -> String {
@@ -22,8 +65,8 @@ fn wait_until_fast(daemon: &Daemon) {
 }
 
 #[track_caller]
-fn the_demo_moves_to_its_goal(backend: &str) {
-    let daemon = Daemon::demo(backend);
+fn the_demo_moves_to_its_goal(demo: &str, backend: &str) {
+    let daemon = start(demo, backend);
     daemon.ctl(&["call", "demo", "set_speed", r#"{"velocity":2.0}"#]).expect_code(0);
     daemon.ctl(&["call", "demo", "get_speed"]).expect_code(0).expect_out("velocity = 2.0\n");
     daemon.ctl(&["start", "--wait", "demo", "goto", r#"{"goal":0.5}"#]).expect_code(0);
@@ -33,29 +76,24 @@ fn the_demo_moves_to_its_goal(backend: &str) {
     assert_eq!(position(&daemon), 0.25);
 }
 
-#[test]
-fn the_demo_moves_to_its_goal_on_local() {
-    the_demo_moves_to_its_goal("local");
+fn the_demo_moves_to_its_goal_on_local(demo: &str) {
+    the_demo_moves_to_its_goal(demo, "local");
 }
 
-#[test]
-fn the_demo_moves_to_its_goal_on_shared_memory() {
-    the_demo_moves_to_its_goal("shm");
+fn the_demo_moves_to_its_goal_on_shared_memory(demo: &str) {
+    the_demo_moves_to_its_goal(demo, "shm");
 }
 
-#[test]
-fn the_demo_moves_to_its_goal_on_zenoh() {
-    the_demo_moves_to_its_goal("zenoh");
+fn the_demo_moves_to_its_goal_on_zenoh(demo: &str) {
+    the_demo_moves_to_its_goal(demo, "zenoh");
 }
 
-#[test]
-fn the_demo_moves_to_its_goal_on_ros2() {
-    the_demo_moves_to_its_goal("ros2");
+fn the_demo_moves_to_its_goal_on_ros2(demo: &str) {
+    the_demo_moves_to_its_goal(demo, "ros2");
 }
 
-#[test]
-fn echo_follows_the_motion() {
-    let daemon = Daemon::demo("shm");
+fn echo_follows_the_motion(demo: &str) {
+    let daemon = start(demo, "shm");
     let echo = daemon.spawn(&["echo", "demo/position", "--rate", "200"]);
     let first: Value = serde_json::from_str(&echo.line()).unwrap();
     assert_eq!(first, json!({"position": 0.0, "velocity": 0.0}));
@@ -75,16 +113,14 @@ fn echo_follows_the_motion() {
     assert!(between > 3, "{between} samples on the way");
 }
 
-#[test]
-fn echo_ends_after_the_count_asked() {
-    let daemon = Daemon::demo("local");
+fn echo_ends_after_the_count_asked(demo: &str) {
+    let daemon = start(demo, "local");
     let finished = daemon.ctl(&["echo", "-n", "1", "demo/position"]);
     finished.expect_code(0).expect_out("{\"position\":0.0,\"velocity\":0.0}\n");
 }
 
-#[test]
-fn a_second_goto_stops_the_first_and_each_caller_is_told() {
-    let daemon = Daemon::demo("shm");
+fn a_second_goto_stops_the_first_and_each_caller_is_told(demo: &str) {
+    let daemon = start(demo, "shm");
     let mut events = daemon.events();
     let first = daemon.spawn(&["start", "--wait", "demo", "goto", "goal=10"]);
     let moving = events.wait_for(|e| e["event"] == "transition" && e["state"] == "main");
@@ -106,9 +142,8 @@ fn a_second_goto_stops_the_first_and_each_caller_is_told() {
     assert_eq!(position(&daemon), 0.1);
 }
 
-#[test]
-fn abort_runs_the_stop_codel() {
-    let daemon = Daemon::demo("shm");
+fn abort_runs_the_stop_codel(demo: &str) {
+    let daemon = start(demo, "shm");
     let mut events = daemon.events();
     let started = daemon.ctl(&["start", "demo", "goto", "goal=10"]);
     let activity = number(&started.out);
@@ -125,9 +160,8 @@ fn abort_runs_the_stop_codel() {
     assert!(position(&daemon).as_f64().unwrap() < 10.0);
 }
 
-#[test]
-fn abort_by_service_stops_all_its_activities() {
-    let daemon = Daemon::demo("local");
+fn abort_by_service_stops_all_its_activities(demo: &str) {
+    let daemon = start(demo, "local");
     let mut events = daemon.events();
     let waiting = daemon.spawn(&["start", "--wait", "demo", "goto", "goal=-10"]);
     events.wait_for(|e| e["state"] == "main");
@@ -135,9 +169,8 @@ fn abort_by_service_stops_all_its_activities() {
     waiting.finish().expect_code(0);
 }
 
-#[test]
-fn ctrl_c_on_a_waiting_start_aborts_the_activity() {
-    let daemon = Daemon::demo("local");
+fn ctrl_c_on_a_waiting_start_aborts_the_activity(demo: &str) {
+    let daemon = start(demo, "local");
     let mut events = daemon.events();
     let waiting = daemon.spawn(&["start", "--wait", "demo", "goto", "goal=10"]);
     events.wait_for(|e| e["state"] == "main" && e["paused"] == true);
@@ -146,9 +179,8 @@ fn ctrl_c_on_a_waiting_start_aborts_the_activity() {
     waiting.finish().expect_code(0);
 }
 
-#[test]
-fn a_goal_out_of_range_is_an_exception_with_its_detail() {
-    let daemon = Daemon::demo("local");
+fn a_goal_out_of_range_is_an_exception_with_its_detail(demo: &str) {
+    let daemon = start(demo, "local");
     let finished = daemon.ctl(&["start", "demo", "goto", "goal=50"]);
     finished.expect_code(1).expect_out("");
     finished.expect_err("demo/goto ended with ::demo::OUT_OF_RANGE");
@@ -162,9 +194,8 @@ fn a_goal_out_of_range_is_an_exception_with_its_detail() {
     daemon.ctl(&["call", "demo", "get_speed"]).expect_out("velocity = 0.5\n");
 }
 
-#[test]
-fn an_emergency_stands_the_axis_still() {
-    let daemon = Daemon::demo("local");
+fn an_emergency_stands_the_axis_still(demo: &str) {
+    let daemon = start(demo, "local");
     let mut events = daemon.events();
     let waiting = daemon.spawn(&["start", "--wait", "demo", "goto", "goal=10"]);
     events.wait_for(|e| e["state"] == "main" && e["paused"] == true);
@@ -174,17 +205,15 @@ fn an_emergency_stands_the_axis_still() {
 
 #[test]
 fn rust_codels_do_the_same() {
-    let demo = genom_tests::component("demo-rs");
-    let daemon = Daemon::start(&["--backend", "shm", demo.library.to_str().expect("UTF-8")]);
+    let daemon = start("demo-rs", "shm");
     daemon.ctl(&["call", "demo", "set_speed", "velocity=2"]).expect_code(0);
     daemon.ctl(&["call", "demo", "goto", "goal=0.2"]).expect_code(0).expect_out("done\n");
     assert_eq!(position(&daemon), 0.2);
     daemon.ctl(&["call", "demo", "goto", "goal=11"]).expect_code(1).expect_err("OUT_OF_RANGE");
 }
 
-#[test]
-fn info_reads_like_the_description() {
-    let daemon = Daemon::demo("local");
+fn info_reads_like_the_description(demo: &str) {
+    let daemon = start(demo, "local");
     let shown = daemon.ctl(&["info", "demo", "goto"]);
     shown.expect_code(0);
     for wanted in ["activity goto(in double goal = 1.0)", "goal: Position to reach, m", "task main"]

@@ -141,6 +141,17 @@ fn python_passes_images_the_same_on_every_way() {
 }
 
 #[test]
+fn codels_in_python_need_only_the_standard_library() {
+    the_standard_library_is_enough("tests.test_codels", "local");
+}
+
+#[test]
+fn codels_in_python_use_numpy_where_it_is() {
+    let python = python::environment(&["numpy==2.4.6"]).unwrap_or_else(|error| panic!("{error}"));
+    the_client_passes(&python, &[], "tests.test_codels", "local");
+}
+
+#[test]
 fn type_checkers_know_components_by_their_stubs() {
     let python = python::environment(&["mypy==2.4.1"]).unwrap_or_else(|error| panic!("{error}"));
     the_client_passes(&python, &[], "tests.test_stubs", "local");

@@ -41,6 +41,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-host", HOST),
     ("genom-blackbox", &[]),
     ("genom-recording", &["genom-protocol"]),
+    ("genom-interpreter", &["genom-description", "genom-elf", "genom-runtime"]),
     ("genom-apart", &[]),
     ("genom-comparison", &["genom-apart", "genom-drawing", "genom-protocol"]),
     ("genom-stage", &["genom-description", "genom-middleware", "genom-runtime", "genom-types"]),
@@ -64,6 +65,11 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-nearest", &[]),
     ("genom-protocol", &["genom-nearest"]),
     ("genomctl", GENOMCTL),
+    // The daemon once more, as a library.
+    (
+        "genom-python",
+        &["genom-description", "genom-host", "genom-runtime", "genom-types", "genomd"],
+    ),
     ("genom-derive", &[]),
     ("genom", &["genom-derive"]),
     ("genom-components", &[]),
@@ -79,6 +85,7 @@ const HOST: &[&str] = &[
     "genom-description-tools",
     "genom-elf",
     "genom-headers",
+    "genom-interpreter",
     "genom-middleware",
     "genom-runtime",
     "genom-types",
@@ -190,7 +197,7 @@ const BACKEND: &[&str] = &["genom-kit", "genom-middleware", "genom-types"];
 const ROS2: &[&str] =
     &["genom-kit", "genom-middleware", "genom-rosidl", "genom-rtps-guard", "genom-types"];
 /// Crates at the top: they may use any other.
-const TOP: &[&str] = &["genomd", "genom-tests"];
+const TOP: &[&str] = &["genomd", "genom-python", "genom-tests"];
 /// Modules of crates, each above all that it knows. A crate's first names may be those of crates
 /// below it.
 const FLOORS: &[(&str, &str)] = &[
@@ -217,10 +224,10 @@ const FLOORS: &[(&str, &str)] = &[
     ),
     (
         "cells",
-        "end done dying policy shelf theirs place snapshots journal client crashes follow remains blackbox kept process bell setup cell round \
+        "end done dying policy shelf theirs place snapshots journal client crashes follow remains blackbox kept process bell program setup cell round \
          asking cells gateway unmatched own react merge record unload wire deploy thaw lib",
     ),
-    ("genomd", "refusal cli announcements settings daemon rpc signals life run check main"),
+    ("genomd", "refusal cli announcements settings daemon rpc signals life run check lib main"),
 ];
 
 fn relative(path: &Path) -> String {

@@ -15,6 +15,8 @@ const UNSAFE: &[&str] = &[
     "genom-shm",
     "genom",
     "genom-allocations",
+    // What a Python interpreter calls, in one module.
+    "genom-python",
     // It traces daemons, in one module.
     "genom-tests",
 ];

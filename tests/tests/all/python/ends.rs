@@ -1,0 +1,51 @@
+//! Codels in Python that end their process: others go on, and it is told which line did it.
+
+use genom_tests::{Daemon, component, path, until};
+use tempfile::TempDir;
+
+use super::started;
+
+/// A daemon with the component, and the demo in C in its own process.
+fn beside_the_demo() -> (Daemon, TempDir) {
+    let demo = component("demo");
+    started(&[path(&demo.library)])
+}
+
+/// Ends the process by one call; the demo does not notice, and the component comes back.
+#[track_caller]
+fn ends(what: &str, end: &str) -> String {
+    let (daemon, _scratch) = beside_the_demo();
+    let called = daemon.ctl(&["call", "axis", "how", &format!("what={what}")]);
+    called.expect_code(1).expect_err("::genom::gone").expect_err(end);
+    daemon.ctl(&["call", "demo", "goto", "goal=0.01"]).expect_code(0);
+    until("the component is back", || {
+        daemon.ctl(&["call", "axis", "how", "what=no"]).out == "tries = 1\n"
+    });
+    until("the end is reported", || {
+        let reports = daemon.json(&["crashes"]);
+        reports["crashes"].as_array().is_some_and(|all| all.len() == 1)
+    });
+    let listed = daemon.ctl(&["crashes"]).out;
+    assert!(listed.contains("axis_how"), "{listed}");
+    daemon.stop("TERM").0.err
+}
+
+#[test]
+fn os_exit_is_told_with_its_line() {
+    let log = ends("exit", "exit status 3");
+    assert!(log.contains("os._exit(3) ends this cell"), "{log}");
+    assert!(log.contains("axis.py\", line 20, in axis_how"), "{log}");
+}
+
+#[test]
+fn a_crash_of_native_code_is_told_with_the_line_that_called_it() {
+    let log = ends("crash", "signal 11 (SIGSEGV)");
+    assert!(log.contains("axis.py\", line 24 in axis_how"), "{log}");
+}
+
+#[test]
+fn a_child_that_a_codel_forked_ends_and_the_codel_goes_on() {
+    let (daemon, _scratch) = started(&[]);
+    daemon.ctl(&["call", "axis", "how", "what=fork"]).expect_code(0).expect_out("tries = 1\n");
+    daemon.ctl(&["call", "axis", "how", "what=no"]).expect_code(0).expect_out("tries = 2\n");
+}
