@@ -318,7 +318,8 @@ pub fn services_show_while_they_are_served(world: &dyn World) {
         seen.iter()
             .any(|end| end.kind == EndpointKind::Service && end.address == goto().to_string())
     };
-    // Listing a single address gives the same result.
+    // Listing a single address gives the same result; on a network, one that is only just seen may
+    // be missing for a moment, until it is known who it belongs to.
     let kinds = || -> Vec<EndpointKind> {
         b.ends_at(&goto()).expect("a list").iter().map(|end| end.kind).collect()
     };
@@ -327,11 +328,10 @@ pub fn services_show_while_they_are_served(world: &dyn World) {
     assert_eq!(kinds(), []);
     let served = a.serve(&goto(), &function, Arc::new(Adder::default())).unwrap();
     eventually("the service shows", shows);
-    assert_eq!(kinds(), [EndpointKind::Service]);
+    eventually("it shows at its address", || kinds() == [EndpointKind::Service]);
     assert_eq!(success(answered(&mut *client, 5)), 1005);
     drop(served);
-    eventually("the service is gone", || !shows());
-    assert_eq!(kinds(), []);
+    eventually("the service is gone", || !shows() && kinds().is_empty());
     drop((client, a, b));
     assert_eq!(world.leftovers(), Vec::<String>::new());
 }
