@@ -13,7 +13,7 @@
 
 use std::time::{Duration, Instant};
 
-use genom_tests::trial::FAST;
+use genom_tests::trial::task_of_1_khz;
 use genom_tests::{Footprint, Home, component, release, until_at_leisure};
 use rustix::process::{Pid, Signal, kill_process};
 
@@ -94,11 +94,6 @@ fn configuration() -> String {
 }
 
 /// A demo whose task is real-time and at 1 kHz.
-fn task_of_1_khz(name: &str) -> String {
-    let demo = component("demo").library;
-    format!("[[component]]\nlibrary = {demo:?}\nname = {name:?}\n{FAST}")
-}
-
 /// The process of a cell that runs.
 fn pid(home: &Home, cell: &str) -> Option<u64> {
     let cells = home.get("/cells");

@@ -56,6 +56,7 @@
 mod backend;
 mod body;
 mod client;
+mod conflict;
 mod dds;
 mod domain;
 mod error;

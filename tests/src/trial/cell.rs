@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use super::{FAST, Trial, exception, grown, told};
+use super::{FAST, Trial, exception, grown, task_of_1_khz, told};
 use crate::faults::{Fault, Outcome, Seen};
 use crate::{Daemon, Footprint, Home, component, request, until, until_at_leisure};
 
@@ -113,9 +113,7 @@ impl Trial {
 
 /// A daemon that runs nothing but a task of 1 kHz.
 fn with_task_of_1_khz(name: &str) -> Daemon {
-    let demo = component("demo").library;
-    let text = format!("[[component]]\nlibrary = {demo:?}\nname = {name:?}\n{FAST}");
-    Home::new().configured(&text).start(&[])
+    Home::new().configured(&task_of_1_khz(name)).start(&[])
 }
 
 /// The struck cell as the daemon tells it.

@@ -10,9 +10,9 @@ use std::path::PathBuf;
 
 use serde_json::{Value, json};
 
-use crate::Footprint;
 use crate::crash::{Outcome, Phase, Toll};
 use crate::faults::Fault;
+use crate::{Footprint, component};
 
 /// Where the component with the misbehaving codel runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,6 +126,16 @@ impl Trial {
 
 /// A task at 1 kHz, before all others if this is permitted here.
 pub const FAST: &str = "[component.tasks.main]\nperiod_ms = 1.0\nreal_time = true\npriority = 10\n";
+
+/// The demo under this name, with such a task, for a configuration.
+///
+/// # Panics
+/// If it cannot be built.
+#[must_use]
+pub fn task_of_1_khz(name: &str) -> String {
+    let demo = component("demo").library;
+    format!("[[component]]\nlibrary = {demo:?}\nname = {name:?}\n{FAST}")
+}
 
 /// Names of files for a cell of the table.
 fn told(left: &[PathBuf]) -> String {

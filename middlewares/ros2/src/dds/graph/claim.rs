@@ -1,16 +1,14 @@
 //! Addresses claimed by our ends, and conflicts with the ends of others.
 
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use genom_middleware::{Address, EndpointKind, OpenError};
+use genom_middleware::{Address, OpenError};
 use genom_rosidl::TypeName;
 
 use super::ends::{Entities, Made, Own, Wanted, kind_of};
 use super::known::{Graph, State};
-
-/// How long the news that an end was closed elsewhere may take to arrive.
-const GRACE: Duration = Duration::from_millis(100);
+use crate::conflict::{Conflict, GRACE, is_alone, is_port};
 
 /// Keeps an end of ours registered, here and for others.
 pub(crate) struct Claim {
@@ -28,11 +26,6 @@ pub(crate) struct Belonging {
     announce: Box<dyn Fn() + Send + Sync>,
 }
 
-enum Conflict {
-    Types(String),
-    Taken,
-}
-
 impl Graph {
     /// Registers an end of ours, unless it conflicts with another one.
     pub(crate) fn claim(
@@ -46,13 +39,7 @@ impl Graph {
         while let Some((conflict, ours)) = state.conflict(&wanted) {
             let left = end.saturating_duration_since(Instant::now());
             if ours || left.is_zero() {
-                let address = at.clone();
-                return Err(match conflict {
-                    Conflict::Types(theirs) => {
-                        OpenError::TypeMismatch { address, ours: wanted.types, theirs }
-                    }
-                    Conflict::Taken => OpenError::Taken { address },
-                });
+                return Err(conflict.refusal(at.clone(), wanted.types));
             }
             let waited = self.changed.wait_timeout(state, left);
             state = waited.unwrap_or_else(PoisonError::into_inner).0;
@@ -85,19 +72,15 @@ impl Graph {
 impl State {
     /// The conflict with an existing end, if any, and whether that end is ours.
     fn conflict(&self, wanted: &Wanted) -> Option<(Conflict, bool)> {
-        let port = wanted.kind != EndpointKind::Service;
-        let alone = wanted.kind != EndpointKind::Subscription;
+        let (port, alone) = (is_port(wanted.kind), is_alone(wanted.kind));
+        let ours = (wanted.kind, wanted.digest.as_str());
         let mut taken = None;
         let own = self.own.values().map(|own| &own.wanted);
         for other in own.filter(|other| other.address == wanted.address) {
-            if (other.kind != EndpointKind::Service) != port {
-                continue;
-            }
-            if port && other.digest != wanted.digest {
-                return Some((Conflict::Types(other.types.clone()), true));
-            }
-            if alone && other.kind == wanted.kind {
-                taken = Some((Conflict::Taken, true));
+            match Conflict::between(ours, (other.kind, &other.digest, &other.types)) {
+                Some(Conflict::Taken) => taken = Some((Conflict::Taken, true)),
+                Some(types) => return Some((types, true)),
+                None => {}
             }
         }
         for (guid, found) in self.found.iter().filter(|(_, found)| found.topic == wanted.topic) {

@@ -11,10 +11,8 @@ use genom_rosidl::TypeName;
 use super::keys::{self, End, Id, Kind};
 use super::refusals::Reason;
 use super::told::Told;
+use crate::conflict::{Conflict, GRACE, is_port};
 use crate::rmw::{Gid, Service, Wanted};
-
-/// How long the news that an end was closed elsewhere may take to arrive.
-const GRACE: Duration = Duration::from_millis(100);
 
 /// Number of ends that may be known of one session: as ROS tells of them, and as daemons do.
 const ENDS: usize = 32_768;
@@ -58,11 +56,6 @@ pub(crate) struct Graph {
 pub(crate) struct Registered {
     graph: Arc<Graph>,
     number: u64,
-}
-
-enum Conflict {
-    Types(String),
-    Taken,
 }
 
 fn kind_of(kind: Kind) -> Option<EndpointKind> {
@@ -158,13 +151,7 @@ impl Graph {
         while let Some((conflict, ours)) = state.conflict(&wanted) {
             let left = end.saturating_duration_since(Instant::now());
             if ours || left.is_zero() {
-                let address = at.clone();
-                return Err(match conflict {
-                    Conflict::Types(theirs) => {
-                        OpenError::TypeMismatch { address, ours: wanted.types, theirs }
-                    }
-                    Conflict::Taken => OpenError::Taken { address },
-                });
+                return Err(conflict.refusal(at.clone(), wanted.types));
             }
             state = self.wait(state, left);
         }
@@ -288,30 +275,17 @@ impl State {
 
     /// The conflict with an existing end, if any, and whether that end is ours.
     fn conflict(&self, wanted: &Wanted) -> Option<(Conflict, bool)> {
-        let is_port = |kind| kind != EndpointKind::Service;
-        let port = is_port(wanted.kind);
-        let alone = wanted.kind != EndpointKind::Subscription;
+        let (port, ours) = (is_port(wanted.kind), (wanted.kind, wanted.digest.as_str()));
         let mut taken = None;
-        for other in self.own.values().filter(|other| other.address == wanted.address) {
-            if is_port(other.kind) != port {
-                continue;
-            }
-            if port && other.digest != wanted.digest {
-                return Some((Conflict::Types(other.types.clone()), true));
-            }
-            if alone && other.kind == wanted.kind {
-                taken = Some((Conflict::Taken, true));
-            }
-        }
-        for other in self.told.values().filter(|other| other.address == wanted.address) {
-            if is_port(other.kind) != port {
-                continue;
-            }
-            if port && other.digest != wanted.digest {
-                return Some((Conflict::Types(other.types.clone()), false));
-            }
-            if alone && other.kind == wanted.kind {
-                taken.get_or_insert((Conflict::Taken, false));
+        let own = self.own.values().filter(|own| own.address == wanted.address);
+        let own = own.map(|own| ((own.kind, &*own.digest, &*own.types), true));
+        let told = self.told.values().filter(|told| told.address == wanted.address);
+        let told = told.map(|told| ((told.kind, &*told.digest, &*told.types), false));
+        for (other, is_ours) in own.chain(told) {
+            match Conflict::between(ours, other) {
+                Some(Conflict::Taken) => _ = taken.get_or_insert((Conflict::Taken, is_ours)),
+                Some(types) => return Some((types, is_ours)),
+                None => {}
             }
         }
         let ty = wanted.of.ty.to_dds("");

@@ -1,0 +1,70 @@
+//! Ends that cannot be at one address, whatever carries ROS.
+
+use std::time::Duration;
+
+use genom_middleware::{Address, EndpointKind, OpenError};
+
+/// How long the news that an end was closed elsewhere may take to arrive.
+pub(crate) const GRACE: Duration = Duration::from_millis(100);
+
+/// Why an end cannot be opened where another one is.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) enum Conflict {
+    /// The other one has these types.
+    Types(String),
+    /// The other one is alone there.
+    Taken,
+}
+
+/// Whether an end is one of a port. Ports and services do not conflict with each other.
+pub(crate) fn is_port(kind: EndpointKind) -> bool {
+    kind != EndpointKind::Service
+}
+
+/// Whether there may be one end of this kind at an address only.
+pub(crate) fn is_alone(kind: EndpointKind) -> bool {
+    kind != EndpointKind::Subscription
+}
+
+impl Conflict {
+    /// That of an end of this kind and digest of its types with another one at its address.
+    pub(crate) fn between(
+        (kind, digest): (EndpointKind, &str),
+        (other, others, types): (EndpointKind, &str, &str),
+    ) -> Option<Self> {
+        if is_port(kind) != is_port(other) {
+            return None;
+        }
+        if is_port(kind) && digest != others {
+            return Some(Self::Types(types.to_owned()));
+        }
+        (is_alone(kind) && kind == other).then_some(Self::Taken)
+    }
+
+    /// The error of whoever wanted to open an end of these types at this address.
+    pub(crate) fn refusal(self, address: Address, ours: String) -> OpenError {
+        match self {
+            Self::Types(theirs) => OpenError::TypeMismatch { address, ours, theirs },
+            Self::Taken => OpenError::Taken { address },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use EndpointKind::{Publisher, Service, Subscription};
+
+    #[test]
+    fn writers_and_services_are_alone_and_both_ends_of_a_port_have_one_type() {
+        let between = |ours, other| Conflict::between((ours, "a"), other);
+        assert_eq!(between(Publisher, (Publisher, "a", "t")), Some(Conflict::Taken));
+        assert_eq!(between(Service, (Service, "b", "t")), Some(Conflict::Taken));
+        assert_eq!(between(Publisher, (Subscription, "a", "t")), None);
+        assert_eq!(between(Subscription, (Subscription, "a", "t")), None);
+        let types = || Some(Conflict::Types("t".to_owned()));
+        assert_eq!(between(Subscription, (Publisher, "b", "t")), types());
+        assert_eq!(between(Publisher, (Publisher, "b", "t")), types());
+        assert_eq!(between(Publisher, (Service, "b", "t")), None);
+    }
+}
