@@ -61,6 +61,12 @@ pub fn a_late_reader_sees_nothing_of_a_writer_that_left(world: &dyn World) {
     let mut first = writer(&a);
     first.publish(&numbered(5)).unwrap();
     drop(first);
+    // Some backends send what is left, and withdraw the port then, after it was dropped: a reader
+    // that comes in between may still get the value.
+    if b.discovery().is_some() {
+        let gone = || b.ends_at(&position()).expect("a list").is_empty();
+        eventually("the writer has gone", gone);
+    }
     let mut late = reader(&b, Policy::Latest);
     assert_eq!(read(&mut *late).0, Reading::Never);
     let mut second = writer(&a);
