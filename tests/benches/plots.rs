@@ -146,7 +146,7 @@ fn scope(into: &Path) -> String {
         (String::new(), String::new(), String::new(), String::new());
     for port in 0..PORTS {
         let mut add = || {
-            writeln!(ports, "  port out double p{port};")?;
+            writeln!(ports, "  port out signal p{port};")?;
             write!(uses, ", out p{port}")?;
             write!(parameters, "const scope_p{port} *p{port}, ")?;
             writeln!(writes, "  *p{port}->data(self) = (double)(*count % {});", port + 2)?;
@@ -155,7 +155,7 @@ fn scope(into: &Path) -> String {
         add().expect("a string takes all");
     }
     let description = format!(
-        "component scope {{\n  ids {{ unsigned long count; }};\n{ports}  task main {{\n    period 1 ms;\n    \
+        "component scope {{\n  typedef double signal;\n  ids {{ unsigned long count; }};\n{ports}  task main {{\n    period 1 ms;\n    \
          codel<start> scope_step(inout count{uses}) yield pause::start;\n    \
          codel<stop> scope_end() yield ether;\n  }};\n}};\n"
     );

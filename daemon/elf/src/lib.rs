@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 mod contents;
+pub mod debug;
 mod error;
 mod read;
 mod sections;

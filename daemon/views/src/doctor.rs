@@ -8,15 +8,17 @@ use axum::{Extension, Json};
 use genom_doctor::{Machine, Seen, multicast, of_daemon, of_files};
 use genom_doors::{Own, Parameters, RpcError};
 use genom_protocol::{
-    Address, Components, DoctorParameters, Examined, Finding, PortParameters, routes,
+    Address, Components, Diagnosis, DoctorParameters, Examined, Finding, PortParameters, routes,
 };
-use tokio::sync::Mutex;
+
+use crate::together::Together;
 
 /// How long ports are asked about; those that are left then are told by their number.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// One examination at a time: each asks all components, and sends a datagram.
-static TURN: Mutex<()> = Mutex::const_new(());
+/// Examined one at a time: components are asked one after the other, and a datagram is sent.
+static DAEMON: Together<Vec<Diagnosis>> = Together::new();
+static MACHINE: Together<Vec<Diagnosis>> = Together::new();
 
 /// Examine the machine and the daemon, and list findings with advice.
 #[utoipa::path(
@@ -30,19 +32,24 @@ pub async fn doctor(
     Extension(own): Extension<Own>,
     Parameters(parameters): Parameters<DoctorParameters>,
 ) -> Result<Json<Examined>, RpcError> {
-    let _turn = TURN.lock().await;
-    let seen = look(&own).await;
-    // Reads files, and waits for a datagram.
-    let work = move || {
-        let mut machine = Vec::new();
-        if !parameters.daemon_only {
-            machine = of_files(&Machine::at(Path::new("/")));
-            machine.push(multicast());
-        }
-        Examined { machine, daemon: of_daemon(&seen) }
+    let daemon = async { Ok::<_, RpcError>(of_daemon(&look(&own).await)) };
+    let daemon = DAEMON.get(daemon).await?;
+    let machine = match parameters.daemon_only {
+        true => Vec::new(),
+        false => MACHINE.get(machine()).await?,
+    };
+    Ok(Json(Examined { machine, daemon }))
+}
+
+/// Reads files, and waits for a datagram.
+async fn machine() -> Result<Vec<Diagnosis>, RpcError> {
+    let work = || {
+        let mut found = of_files(&Machine::at(Path::new("/")));
+        found.push(multicast());
+        found
     };
     let found = tokio::task::spawn_blocking(work).await;
-    found.map(Json).map_err(|error| RpcError::internal(error.to_string()))
+    found.map_err(|error| RpcError::internal(error.to_string()))
 }
 
 /// What is asked; what does not answer is left out.

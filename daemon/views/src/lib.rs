@@ -17,6 +17,7 @@ mod named;
 mod picture;
 mod plots;
 mod timeline;
+mod together;
 mod values;
 mod why;
 

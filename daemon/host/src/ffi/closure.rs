@@ -1,36 +1,28 @@
-//! C functions made at run time, each with its own data: the methods of ports and remotes, which do
-//! not get their handle as an argument (genom3.md 5.7). One of the few unsafe modules.
+//! C functions with data of their own: the methods of ports and remotes, which do not get their
+//! handle as an argument (genom3.md 5.7). One of the few unsafe modules.
 #![allow(unsafe_code)]
 
-use std::ffi::{c_char, c_void};
+use std::any::Any;
+use std::ffi::c_void;
 use std::fmt;
-use std::marker::PhantomData;
 
 use libffi::low;
 use libffi::middle::Cif;
 
+use super::arguments::{Arguments, Bound, Callback};
+use super::slots::Taken;
 use super::{Class, Interface};
 use crate::cxx::Raise;
-
-/// Implementation of a native function: gets its data and its arguments, returns a pointer.
-pub(crate) type Callback<T> = fn(&T, Arguments<'_>) -> *const c_void;
 
 /// As [`Callback`], but returns an exception that the function throws, or null.
 pub(crate) type Throwing<T> = fn(&T, Arguments<'_>) -> *const Raise;
 
-/// A C function that calls `callback` with `data`.
+/// A C function that calls a callback with its data.
 pub(crate) struct NativeFunction {
-    // Libffi keeps the addresses of both.
-    _cif: Box<Cif>,
-    _data: Box<dyn std::any::Any + Send + Sync>,
-    closure: *mut low::ffi_closure,
     code: usize,
+    /// What has to live as long.
+    _kept: Box<dyn Any + Send + Sync>,
 }
-
-// SAFETY: after construction it is only called; the data that it passes to the callback is `Sync`.
-unsafe impl Send for NativeFunction {}
-// SAFETY: as above.
-unsafe impl Sync for NativeFunction {}
 
 impl fmt::Debug for NativeFunction {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -38,33 +30,30 @@ impl fmt::Debug for NativeFunction {
     }
 }
 
-/// Data that libffi passes to [`enter`].
-struct Bound<T> {
-    callback: Callback<T>,
-    data: T,
-}
-
 impl NativeFunction {
-    /// Makes the function; `None` when there is no memory for executable code.
+    /// Makes the function, which calls `callback` with `data`; `None` when there is no memory for
+    /// executable code. It may be dropped when no thread calls it any more.
     pub(crate) fn new<T: Send + Sync + 'static>(
         arguments: &[Class],
         callback: Callback<T>,
         data: T,
     ) -> Option<Self> {
-        let cif = Box::new(Interface::new(arguments)?.into_cif());
-        let bound = Box::new(Bound { callback, data });
-        let (closure, code) = low::try_closure_alloc()?;
-        // SAFETY: `closure` was allocated just now; `cif` and `bound` are in boxes that are dropped
-        // with the function, after the closure.
-        let made = unsafe {
-            low::prep_closure(closure, cif.as_raw_ptr(), enter::<T>, &raw const *bound, code)
-        };
-        if made.is_err() {
-            // SAFETY: allocated above, never called.
-            unsafe { low::closure_free(closure) };
-            return None;
+        let mut bound = Bound::new(callback, data);
+        if arguments == [Class::Address] {
+            match Taken::new(bound) {
+                Ok(taken) => {
+                    return Some(Self { code: taken.address(), _kept: Box::new(taken) });
+                }
+                Err(back) => bound = back,
+            }
         }
-        Some(Self { _cif: cif, _data: bound, closure, code: code.as_ptr() as usize })
+        let bound = Box::new(bound);
+        Closure::new(arguments, |closure, cif, code| {
+            // SAFETY: the closure and the code belong together and are new; the interface and
+            // `bound` are in boxes that are dropped after the closure.
+            unsafe { low::prep_closure(closure, cif, enter::<T>, &raw const *bound, code) }
+        })
+        .map(|closure| Self { code: closure.code, _kept: Box::new((closure, bound)) })
     }
 
     /// Makes a C++ function that may throw; its first argument is the object.
@@ -73,27 +62,15 @@ impl NativeFunction {
         callback: Throwing<T>,
         data: T,
     ) -> Option<Self> {
-        let cif = Box::new(Interface::new(arguments)?.into_cif());
         let thrower = Box::new(Thrower { callback, data });
         let entry = Entry { call: throwing::<T>, data: (&raw const *thrower).cast() };
-        let bound = Box::new((entry, thrower));
-        let (closure, code) = low::try_closure_alloc()?;
-        // SAFETY: as in `new`; the shim reads the entry at the beginning of the box.
-        let made = unsafe {
-            low::prep_closure(
-                closure,
-                cif.as_raw_ptr(),
-                genom_host_remote_enter,
-                &raw const bound.0,
-                code,
-            )
-        };
-        if made.is_err() {
-            // SAFETY: allocated above, never called.
-            unsafe { low::closure_free(closure) };
-            return None;
-        }
-        Some(Self { _cif: cif, _data: bound, closure, code: code.as_ptr() as usize })
+        let entry = Box::new(entry);
+        Closure::new(arguments, |closure, cif, code| {
+            let shim = genom_host_remote_enter;
+            // SAFETY: as in `new`, with the entry, which the shim reads.
+            unsafe { low::prep_closure(closure, cif, shim, &raw const *entry, code) }
+        })
+        .map(|closure| Self { code: closure.code, _kept: Box::new((closure, entry, thrower)) })
     }
 
     /// Its address, for C code to call.
@@ -102,7 +79,37 @@ impl NativeFunction {
     }
 }
 
-impl Drop for NativeFunction {
+/// A closure of libffi.
+struct Closure {
+    closure: *mut low::ffi_closure,
+    code: usize,
+    // Libffi keeps its address.
+    _cif: Box<Cif>,
+}
+
+// SAFETY: after construction it is only called.
+unsafe impl Send for Closure {}
+// SAFETY: as above.
+unsafe impl Sync for Closure {}
+
+impl Closure {
+    /// Makes a closure of this interface; `prepare` tells libffi what it calls.
+    fn new(
+        arguments: &[Class],
+        prepare: impl FnOnce(
+            *mut low::ffi_closure,
+            *mut low::ffi_cif,
+            low::CodePtr,
+        ) -> Result<(), low::Error>,
+    ) -> Option<Self> {
+        let cif = Box::new(Interface::new(arguments)?.into_cif());
+        let (closure, code) = low::try_closure_alloc()?;
+        let made = Self { closure, code: code.as_ptr() as usize, _cif: cif };
+        prepare(closure, made._cif.as_raw_ptr(), code).ok().map(|()| made)
+    }
+}
+
+impl Drop for Closure {
     fn drop(&mut self) {
         // SAFETY: allocated in `new`. The component drops its functions after its threads have
         // ended, so none is running.
@@ -116,13 +123,8 @@ unsafe extern "C" fn enter<T>(
     arguments: *const *const c_void,
     bound: &Bound<T>,
 ) {
-    let arguments = Arguments { at: arguments, _call: PhantomData };
-    let run = || (bound.callback)(&bound.data, arguments);
-    // Unwinding into C would abort the daemon; return a null event or datum instead.
-    *result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run)).unwrap_or_else(|_| {
-        tracing::error!("a method of a port or remote panicked");
-        std::ptr::null()
-    });
+    // SAFETY: libffi passes the addresses of the arguments of the closure's interface.
+    *result = bound.run(unsafe { Arguments::at(arguments) });
 }
 
 /// Data for the shim (`struct remote`), which calls and throws the result.
@@ -158,49 +160,11 @@ unsafe extern "C" fn throwing<T>(
 ) -> *const Raise {
     // SAFETY: the shim passes the pointer in the entry, which lives as long as the function.
     let thrower = unsafe { &*thrower.cast::<Thrower<T>>() };
-    let arguments = Arguments { at: arguments, _call: PhantomData };
+    // SAFETY: the shim passes on what libffi passed, as in `enter`.
+    let arguments = unsafe { Arguments::at(arguments) };
     let run = || (thrower.callback)(&thrower.data, arguments);
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(run)).unwrap_or_else(|_| {
         tracing::error!("a method of a remote panicked");
         std::ptr::null()
     })
-}
-
-/// The arguments of one call from C.
-#[derive(Clone, Copy)]
-pub(crate) struct Arguments<'call> {
-    at: *const *const c_void,
-    _call: PhantomData<&'call ()>,
-}
-
-impl<'call> Arguments<'call> {
-    /// Address of the value of argument `index`.
-    pub(crate) fn place(self, index: usize) -> *const u8 {
-        // SAFETY: callbacks use arguments of their own interface only.
-        unsafe { self.at.add(index).read().cast() }
-    }
-
-    /// Argument `index`, of class `Held` or `Address`.
-    pub(crate) fn pointer(self, index: usize) -> *mut u8 {
-        // SAFETY: such an argument is a pointer.
-        unsafe { self.place(index).cast::<*mut u8>().read() }
-    }
-
-    /// Argument `index`, a C string; `None` for NULL or more than `limit` bytes.
-    pub(crate) fn text(self, index: usize, limit: usize) -> Option<&'call [u8]> {
-        let text = self.pointer(index).cast::<c_char>();
-        if text.is_null() {
-            return None;
-        }
-        for length in 0..=limit {
-            // SAFETY: the codel passed a NUL-terminated string; no byte after the NUL is read.
-            let (byte, bytes) = unsafe {
-                (text.add(length).read(), std::slice::from_raw_parts(text.cast::<u8>(), length))
-            };
-            if byte == 0 {
-                return Some(bytes);
-            }
-        }
-        None
-    }
 }

@@ -231,3 +231,41 @@ fn pages_fit_a_telephone_and_have_a_name_for_each_control() {
         assert_eq!(unnamed, json!([]), "{page}");
     }
 }
+
+#[test]
+fn rules_of_supervision_are_listed_and_what_broke_one_is_told() {
+    let demo = component("demo").library;
+    let rules = format!(
+        "[[component]]\nlibrary = {demo:?}\n\
+         [[component.supervision]]\ncodel = \"demo_servo\"\nafter = \"demo_brake\"\n\
+         [[component.supervision]]\ncodel = \"demo_brake\"\nlongest_ms = 60000\nreaction = \"interrupt\"\n\
+         [[component]]\nlibrary = {demo:?}\nname = \"free\"\n"
+    );
+    let daemon = Home::new().configured(&rules).start(&["--web"]);
+    let browser = signed_in(&daemon, "read,call");
+    browser.click("a[href='/component/demo']");
+    let cell = |row: usize, label: &str| {
+        format!(
+            "document.querySelector('#rules tbody').rows[{row}].querySelector('[data-label={label}]').innerText"
+        )
+    };
+    browser
+        .until("both rules are there", "document.querySelector('#rules tbody')?.rows.length === 2");
+    for (row, kind, reaction) in [(0, "logical", "event"), (1, "deadline", "interrupt")] {
+        browser.until("its kind is told", &format!("{} === '{kind}'", cell(row, "Kind")));
+        assert_eq!(browser.ask(&format!("return {}", cell(row, "Reaction"))), reaction);
+        assert_eq!(browser.ask(&format!("return {}", cell(row, "Broken"))), "never");
+    }
+    daemon.ctl(&["start", "demo", "goto", "goal=0.1"]).expect_code(0);
+    browser.until("the first one is broken", &format!("Number({}) > 0", cell(0, "Broken")));
+    browser.until("when is told", &format!("{} !== '–'", cell(0, "Last")));
+    assert_eq!(browser.ask(&format!("return {}", cell(1, "Broken"))), "never");
+    browser.until_shown("demo_servo");
+    browser.click("a[href='/']");
+    browser.click("a[href='/component/free']");
+    browser.until_shown("free");
+    browser.until(
+        "no rules are shown where there are none",
+        "document.querySelector('#rules')?.hidden",
+    );
+}

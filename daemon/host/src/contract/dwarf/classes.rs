@@ -7,9 +7,8 @@ use genom_types::{DataType, Kind, TypeId};
 
 use super::super::mismatch::{Agreement, Mismatch};
 use super::compare::{Comparison, Part};
-use super::node::At;
-use super::node::{Composite, Node};
 use crate::cxx::CxxType;
+use genom_elf::debug::{At, Composite, Node};
 
 impl Comparison<'_> {
     /// The spelling of a type in C++.

@@ -10,9 +10,8 @@ use genom_types::{DataType, Kind, TypeId, TypeTable};
 use gimli::DwAte;
 
 use super::super::mismatch::{Agreement, Mismatch};
-use super::info::DebugInfo;
-use super::node::{At, Composite, Function, Member, Node};
 use crate::ffi::{Class, Scalar};
+use genom_elf::debug::{At, Composite, DebugInfo, Function, Member, Node};
 
 /// One comparison of a library with a plan.
 pub(super) struct Comparison<'a> {

@@ -2,13 +2,12 @@
 
 mod classes;
 mod compare;
-mod info;
-mod node;
 mod untold;
 
 use genom_description::model::{Codel, Component, Owner, Span};
 use genom_description_tools as tools;
 use genom_elf::Sections;
+use genom_elf::debug::{DebugInfo, Wanted};
 use genom_runtime::plan::Plan;
 use genom_types::TypeId;
 
@@ -17,7 +16,6 @@ use super::difference::Difference;
 use crate::cxx::{self, Function};
 use crate::library::Library;
 use compare::Comparison;
-use info::{DebugInfo, Wanted};
 pub(super) use untold::Untold;
 
 /// Result of the comparison.

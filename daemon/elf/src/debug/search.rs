@@ -2,11 +2,12 @@
 
 use std::collections::HashMap;
 
-use genom_elf::Sections;
 use gimli::{
     AttributeValue, DebuggingInformationEntry, DwTag, Dwarf, EndianSlice, EntriesTreeNode,
     RunTimeEndian, Unit,
 };
+
+use crate::Sections;
 
 use super::node::{At, Composite, Function, Member, Node};
 
@@ -14,28 +15,36 @@ type Reader<'a> = EndianSlice<'a, RunTimeEndian>;
 type Entry<'a> = DebuggingInformationEntry<Reader<'a>>;
 
 /// The items that were found.
-pub(super) struct Found<'n> {
-    pub(super) functions: HashMap<&'n str, Function>,
-    pub(super) types: HashMap<&'n str, At>,
+#[derive(Debug)]
+pub struct Found<'n> {
+    /// Functions, by their symbol.
+    pub functions: HashMap<&'n str, Function>,
+    /// Types, by the name that was searched.
+    pub types: HashMap<&'n str, At>,
 }
 
 /// The items to search.
-pub(super) struct Wanted<'n> {
+#[derive(Debug)]
+pub struct Wanted<'n> {
     /// Functions, by their symbol in the library.
-    pub(super) functions: Vec<&'n str>,
+    pub functions: Vec<&'n str>,
     /// Types: typedefs, or in C++ structs, by full name without the leading `::`.
-    pub(super) types: Vec<&'n str>,
+    pub types: Vec<&'n str>,
 }
 
 /// Parsed debug information.
-pub(super) struct DebugInfo<'a> {
+#[derive(Debug)]
+pub struct DebugInfo<'a> {
     dwarf: Dwarf<Reader<'a>>,
     units: Vec<Unit<Reader<'a>>>,
 }
 
 impl<'a> DebugInfo<'a> {
     /// Parses the debug information in `sections`.
-    pub(super) fn new(sections: &'a Sections<'_>) -> gimli::Result<Self> {
+    ///
+    /// # Errors
+    /// A unit cannot be read.
+    pub fn new(sections: &'a Sections<'_>) -> gimli::Result<Self> {
         let endian = match sections.little_endian {
             true => RunTimeEndian::Little,
             false => RunTimeEndian::Big,
@@ -53,7 +62,7 @@ impl<'a> DebugInfo<'a> {
     }
 
     /// Whether a unit keeps its types in a separate file (`-gsplit-dwarf`).
-    pub(super) fn is_split(&self) -> bool {
+    pub fn is_split(&self) -> bool {
         let mut roots = self.units.iter().filter_map(|unit| {
             let mut entries = unit.entries();
             entries.next_dfs().ok()?.map(|root| {
@@ -66,7 +75,7 @@ impl<'a> DebugInfo<'a> {
     }
 
     /// Searches the functions that the library defines, and the types.
-    pub(super) fn find<'n>(&self, wanted: &Wanted<'n>) -> Found<'n> {
+    pub fn find<'n>(&self, wanted: &Wanted<'n>) -> Found<'n> {
         let mut found = Found { functions: HashMap::new(), types: HashMap::new() };
         for unit in 0..self.units.len() {
             // A unit that cannot be read is skipped.
@@ -154,7 +163,7 @@ impl<'a> DebugInfo<'a> {
     }
 
     /// The type at a location.
-    pub(super) fn node(&self, at: At) -> Node {
+    pub fn node(&self, at: At) -> Node {
         self.read(at).unwrap_or(Node::Unknown)
     }
 
@@ -262,7 +271,7 @@ impl<'a> DebugInfo<'a> {
     }
 
     /// The type behind typedefs and qualifiers; `None` for `void`.
-    pub(super) fn stripped(&self, mut at: Option<At>) -> Option<(At, Node)> {
+    pub fn stripped(&self, mut at: Option<At>) -> Option<(At, Node)> {
         // More steps than any real chain has.
         for _ in 0..64 {
             let here = at?;
@@ -275,7 +284,7 @@ impl<'a> DebugInfo<'a> {
     }
 
     /// The C declaration of a function.
-    pub(super) fn declaration(&self, name: &str, function: &Function) -> String {
+    pub fn declaration(&self, name: &str, function: &Function) -> String {
         let parameters = function.parameters.iter().map(|(name, ty)| {
             let ty = self.spell(*ty);
             let space = if ty.ends_with(['*', '&']) { "" } else { " " };
@@ -286,7 +295,7 @@ impl<'a> DebugInfo<'a> {
     }
 
     /// The members of a struct: `{ double x; char what[64]; }`.
-    pub(super) fn layout(&self, at: At) -> String {
+    pub fn layout(&self, at: At) -> String {
         match self.stripped(Some(at)) {
             Some((_, Node::Struct(found))) => {
                 let member =
@@ -299,7 +308,7 @@ impl<'a> DebugInfo<'a> {
     }
 
     /// A type as written in C, by its typedef where it has one.
-    pub(super) fn spell(&self, at: Option<At>) -> String {
+    pub fn spell(&self, at: Option<At>) -> String {
         self.spell_to(at, 16)
     }
 

@@ -4,14 +4,16 @@ use gimli::{DwAte, UnitOffset};
 
 /// Location of a type: index of its unit, and offset there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct At {
-    pub(super) unit: usize,
-    pub(super) offset: UnitOffset,
+pub struct At {
+    /// Index of the unit.
+    pub unit: usize,
+    /// Offset in the unit, in bytes.
+    pub offset: UnitOffset,
 }
 
 /// A C type. Inner types are locations to be read next; `None` there means `void`.
 #[derive(Clone, Debug)]
-pub(super) enum Node {
+pub enum Node {
     /// `int`, `double`, `bool`...
     Base {
         /// Name given by the compiler.
@@ -55,31 +57,35 @@ pub(super) enum Node {
 
 /// A struct, class or union.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Composite {
+pub struct Composite {
     /// Its tag; empty when it has none.
-    pub(super) name: String,
+    pub name: String,
     /// Size in bytes; `None` when it is only declared.
-    pub(super) size: Option<u64>,
+    pub size: Option<u64>,
     /// Data members in order, including base classes.
-    pub(super) members: Vec<Member>,
+    pub members: Vec<Member>,
     /// Virtual functions in order of declaration.
-    pub(super) methods: Vec<(String, Function)>,
+    pub methods: Vec<(String, Function)>,
     /// The first type among its template arguments.
-    pub(super) element: Option<At>,
+    pub element: Option<At>,
 }
 
 /// A data member.
 #[derive(Clone, Debug)]
-pub(super) struct Member {
-    pub(super) name: String,
-    pub(super) offset: u64,
-    pub(super) ty: Option<At>,
+pub struct Member {
+    /// Its name; empty when it has none.
+    pub name: String,
+    /// Offset from the start of the struct, in bytes.
+    pub offset: u64,
+    /// Its type.
+    pub ty: Option<At>,
 }
 
 /// A function, or the type of one.
 #[derive(Clone, Debug)]
-pub(super) struct Function {
-    pub(super) result: Option<At>,
+pub struct Function {
+    /// Type of what it returns.
+    pub result: Option<At>,
     /// Name and type of each parameter.
-    pub(super) parameters: Vec<(String, Option<At>)>,
+    pub parameters: Vec<(String, Option<At>)>,
 }
