@@ -63,9 +63,9 @@ pub struct Outcome {
     pub gateways: Vec<Besieged>,
     /// How often the cell of components ended.
     pub cell_ends: u64,
-    /// Periods that the neighbours missed: in quiet, under hostile bytes, and under kills, each
-    /// with how long that took.
-    pub missed: [(Duration, [u64; 2]); 3],
+    /// Periods that were missed in the daemon, in a cell, and in a daemon apart: in quiet, under
+    /// hostile bytes, and under kills, each with how long that took.
+    pub missed: [(Duration, [u64; 3]); 3],
 }
 
 impl Siege {
@@ -107,9 +107,10 @@ impl Siege {
         });
         let cell_ends = stage.starts(NEIGHBOURS[1]) - cell;
         drop(flows);
-        let Stage { near, far } = stage;
-        far.stop("TERM").0.expect_code(0);
-        near.stop("TERM").0.expect_code(0);
+        let Stage { near, far, apart } = stage;
+        for daemon in [far, near, apart] {
+            daemon.stop("TERM").0.expect_code(0);
+        }
         let missed = [in_quiet, under_bytes, under_kills];
         Outcome { bytes: self.bytes, sent, gateways, cell_ends, missed }
     }
@@ -172,11 +173,11 @@ fn starts_since(stage: &Stage, on: &str, before: u64) -> u64 {
     starts(stage, on).saturating_sub(before)
 }
 
-fn missed_while(stage: &Stage, act: impl FnOnce()) -> (Duration, [u64; 2]) {
+fn missed_while(stage: &Stage, act: impl FnOnce()) -> (Duration, [u64; 3]) {
     let (begin, before) = (Instant::now(), stage.missed());
     act();
     let after = stage.missed();
-    (begin.elapsed(), [after[0] - before[0], after[1] - before[1]])
+    (begin.elapsed(), std::array::from_fn(|at| after[at] - before[at]))
 }
 
 /// Waits for new samples; if there are none, says what both sides know of it.
@@ -229,7 +230,7 @@ impl Outcome {
                 "memory_kib": one.memory, "back_ms": one.back.iter().map(|it| ms(*it)).collect::<Vec<_>>(),
             })
         };
-        let missed = |(took, of): &(Duration, [u64; 2])| json!({ "seconds": took.as_secs_f64(), "missed": of });
+        let missed = |(took, of): &(Duration, [u64; 3])| json!({ "seconds": took.as_secs_f64(), "missed": of });
         json!({
             "seconds": self.bytes.as_secs_f64(), "datagrams": self.sent[0],
             "connections": self.sent[1], "sessions": self.sent[2],
@@ -272,12 +273,13 @@ impl Outcome {
             }
         }
         let _ = writeln!(text, "the cell of components ended {} times", self.cell_ends);
-        for (what, (took, [own, cell])) in
+        for (what, (took, [own, cell, apart])) in
             ["in quiet", "under bytes", "under kills"].iter().zip(&self.missed)
         {
             let _ = writeln!(
                 text,
-                "missed {what}, in {:.1} s at 1 kHz: {own} in the daemon's process, {cell} in a cell",
+                "missed {what}, in {:.1} s at 1 kHz: {own} in the daemon's process, {cell} in a cell, \
+                 {apart} in a daemon apart",
                 took.as_secs_f64()
             );
         }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use serde_json::Value;
 
 use super::flow::Flow;
-use crate::trial::FAST;
+use crate::trial::{FAST, with_task_of_1_khz};
 use crate::{Daemon, Home, Memory, component, signal, until};
 
 /// The middlewares with gateways.
@@ -16,10 +16,15 @@ pub(super) const BOTH: [&str; 2] = ["ros2", "zenoh"];
 /// Components at 1 kHz: in the process of the daemon, and in a cell.
 pub(super) const NEIGHBOURS: [&str; 2] = ["neighbour", "beside"];
 
+/// A component at 1 kHz of a daemon that has nothing to do with it: what it misses, tasks miss on
+/// this machine anyway.
+const APART: &str = "apart";
+
 /// Two daemons that meet on ROS 2 and on zenoh, each through gateways.
 pub(super) struct Stage {
     pub(super) near: Daemon,
     pub(super) far: Daemon,
+    pub(super) apart: Daemon,
 }
 
 impl Stage {
@@ -42,7 +47,7 @@ impl Stage {
         }
         let near = home(&memory, &near).start(&[]);
         let far = home(&memory, &far).start(&[]);
-        let stage = Self { near, far };
+        let stage = Self { near, far, apart: with_task_of_1_khz(APART) };
         for on in BOTH {
             let (reads, writes) = (format!("of_{on}/position"), format!("on_{on}/position"));
             stage.far.ctl(&["connect", &reads, &writes]).expect_code(0);
@@ -84,9 +89,10 @@ impl Stage {
         signal(self.gateway(on).expect("it runs"), "KILL");
     }
 
-    /// Periods that the neighbours missed so far.
-    pub(super) fn missed(&self) -> [u64; 2] {
-        NEIGHBOURS.map(|name| self.near.missed(name))
+    /// Periods missed so far by the neighbours, and by the component apart.
+    pub(super) fn missed(&self) -> [u64; 3] {
+        let [own, beside] = NEIGHBOURS.map(|name| self.near.missed(name));
+        [own, beside, self.apart.missed(APART)]
     }
 
     /// What both sides say of the port on a middleware.

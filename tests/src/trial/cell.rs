@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use super::{FAST, Trial, exception, grown, task_of_1_khz, told};
+use super::{FAST, Trial, exception, grown, told, with_task_of_1_khz};
 use crate::faults::{Fault, Outcome, Seen};
 use crate::{Daemon, Footprint, Home, component, request, until, until_at_leisure};
 
@@ -109,11 +109,6 @@ impl Trial {
         );
         Home::new().configured(&text).start(&[])
     }
-}
-
-/// A daemon that runs nothing but a task of 1 kHz.
-fn with_task_of_1_khz(name: &str) -> Daemon {
-    Home::new().configured(&task_of_1_khz(name)).start(&[])
 }
 
 /// The struck cell as the daemon tells it.

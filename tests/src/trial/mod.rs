@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use crate::crash::{Outcome, Phase, Toll};
 use crate::faults::Fault;
-use crate::{Footprint, component};
+use crate::{Daemon, Footprint, Home, component};
 
 /// Where the component with the misbehaving codel runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -135,6 +135,11 @@ pub const FAST: &str = "[component.tasks.main]\nperiod_ms = 1.0\nreal_time = tru
 pub fn task_of_1_khz(name: &str) -> String {
     let demo = component("demo").library;
     format!("[[component]]\nlibrary = {demo:?}\nname = {name:?}\n{FAST}")
+}
+
+/// A daemon that runs nothing but such a task.
+pub(crate) fn with_task_of_1_khz(name: &str) -> Daemon {
+    Home::new().configured(&task_of_1_khz(name)).start(&[])
 }
 
 /// Names of files for a cell of the table.
