@@ -208,6 +208,27 @@ fn what_never_ends_once_it_is_asked_keeps_others_waiting() {
 }
 
 #[test]
+fn the_rules_answer_for_nothing_that_may_sleep_once_it_was_asked_to_stop() {
+    let text = |stop: &str| {
+        format!(
+            "component c {{ event alarm; task t {{ period 5 ms; }};
+             activity go() {{ task t; codel<start> g0() yield pause::start, ether;
+               codel<stop> g1() yield {stop}, ether; }}; }};"
+        )
+    };
+    let verdict = |text: &str, states: usize| {
+        let limits = Limits { states, ..limits() };
+        let system = system(text, Bounds { fire: false, ..Bounds::default() });
+        system.check(&[Property::Answer], &limits).verdicts.remove(0).1
+    };
+    // Where two states are seen, the rules decide.
+    assert_eq!(verdict(&text("pause::stop"), 2), Verdict::Holds);
+    let sleeps = text("sleep");
+    assert!(matches!(verdict(&sleeps, 8_000), Verdict::Violated(_)));
+    assert_ne!(verdict(&sleeps, 2), Verdict::Holds);
+}
+
+#[test]
 fn rules_and_states_say_the_same_of_answers() {
     let (mut both, mut violated) = (0, 0);
     for seed in 0..150 {

@@ -61,9 +61,9 @@ fn undecided(limit: Limit) -> Verdict {
 
 /// Whether all activities end by the rules alone. Ticks come for ever, what is executed returns, and
 /// who waits for a node gets it (R5). So an activity that was asked to stop ends if each state after
-/// `stop` has a way to an end that does not sleep, and pauses only where ticks end pauses; and one
-/// that begins ends if that is so of all its states, or runs until it is asked to. One that is
-/// pending waits for some that were asked to.
+/// `stop` has a way to an end, none sleeps, and they pause only where ticks end pauses; and one that
+/// begins ends if that is so of all its states, or runs until it is asked to. One that is pending
+/// waits for some that were asked to.
 pub(super) fn by_rules(system: &System) -> bool {
     let activities = system.machines.iter().filter(|machine| machine.service.is_some());
     let mut all = activities.map(|machine| {
@@ -71,7 +71,10 @@ pub(super) fn by_rules(system: &System) -> bool {
             let mut states = reached(system, machine, from, false);
             states.push(from);
             states.iter().all(|state| {
-                machine.codel(*state).is_none() || ends_from(system, machine, *state, true)
+                let Some(codel) = machine.codel(*state) else { return *state == from };
+                let answers = &system.codels[usize::from(codel)].answers;
+                let sleeps = answers.iter().any(|answer| matches!(answer, Answer::Sleep(_)));
+                !sleeps && ends_from(system, machine, *state, true)
             })
         };
         let waits = |machine: &Machine| {
