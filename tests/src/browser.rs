@@ -49,8 +49,18 @@ impl Browser {
         assert!(found.is_ok_and(|found| found.status.success()), "no {program}: {MISSING}");
         let mut command = Command::new(program);
         command.arg("--port=0").env("HOME", profile.path()).env("TMPDIR", profile.path());
-        let driver = Running::start(&mut command);
-        let line = driver.line_where(|line| line.contains("started successfully on port"));
+        // The driver takes a port that is free in IPv6, and then the same one in IPv4. If somebody else
+        // has it there it says so and ends: the next one takes another port.
+        let taken = "port not available";
+        let (driver, line) = (0..5)
+            .find_map(|_| {
+                let driver = Running::start(&mut command);
+                let line = driver.line_where(|line| {
+                    line.contains("started successfully on port") || line.contains(taken)
+                });
+                (!line.contains(taken)).then_some((driver, line))
+            })
+            .expect("a port that is free in IPv4 and in IPv6");
         let digits = |c: char| !c.is_ascii_digit();
         let port = line.trim_end_matches(digits).rsplit(digits).next().expect("a port");
         let port: u16 = port.parse().expect("a port");
