@@ -93,7 +93,6 @@ fn configuration() -> String {
     )
 }
 
-/// A demo whose task is real-time and at 1 kHz.
 /// The process of a cell that runs.
 fn pid(home: &Home, cell: &str) -> Option<u64> {
     let cells = home.get("/cells");

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use serde_json::Value;
 
 use super::flow::Flow;
-use crate::trial::{FAST, with_task_of_1_khz};
+use crate::trial::{APART, FAST, daemon_apart};
 use crate::{Daemon, Home, Memory, component, signal, until};
 
 /// The middlewares with gateways.
@@ -15,10 +15,6 @@ pub(super) const BOTH: [&str; 2] = ["ros2", "zenoh"];
 
 /// Components at 1 kHz: in the process of the daemon, and in a cell.
 pub(super) const NEIGHBOURS: [&str; 2] = ["neighbour", "beside"];
-
-/// A component at 1 kHz of a daemon that has nothing to do with it: what it misses, tasks miss on
-/// this machine anyway.
-const APART: &str = "apart";
 
 /// Two daemons that meet on ROS 2 and on zenoh, each through gateways.
 pub(super) struct Stage {
@@ -47,7 +43,7 @@ impl Stage {
         }
         let near = home(&memory, &near).start(&[]);
         let far = home(&memory, &far).start(&[]);
-        let stage = Self { near, far, apart: with_task_of_1_khz(APART) };
+        let stage = Self { near, far, apart: daemon_apart() };
         for on in BOTH {
             let (reads, writes) = (format!("of_{on}/position"), format!("on_{on}/position"));
             stage.far.ctl(&["connect", &reads, &writes]).expect_code(0);

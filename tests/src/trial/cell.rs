@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use super::{FAST, Trial, exception, grown, told, with_task_of_1_khz};
+use super::{APART, FAST, Trial, daemon_apart, exception, grown, told};
 use crate::faults::{Fault, Outcome, Seen};
 use crate::{Daemon, Footprint, Home, component, request, until, until_at_leisure};
 
@@ -16,13 +16,11 @@ const STRUCK: &str = "struck";
 const LOOKED_AT: Duration = Duration::from_secs(10);
 /// The components that must miss no period.
 const OTHERS: [&str; 2] = ["neighbour", "beside"];
-/// The component of a daemon in which nothing happens.
-const APART: &str = "apart";
 
 impl Trial {
     pub(super) fn in_a_cell(&mut self, fault: &Fault, times: usize) {
         let daemon = self.with_cells(fault);
-        let apart = with_task_of_1_khz(APART);
+        let apart = daemon_apart();
         let wired = |daemon: &Daemon| is_wired(daemon.home(), fault);
         until("all is wired", || wired(&daemon));
         // Memory that the first end needs once, such as the names for its backtrace.

@@ -137,9 +137,13 @@ pub fn task_of_1_khz(name: &str) -> String {
     format!("[[component]]\nlibrary = {demo:?}\nname = {name:?}\n{FAST}")
 }
 
-/// A daemon that runs nothing but such a task.
-pub(crate) fn with_task_of_1_khz(name: &str) -> Daemon {
-    Home::new().configured(&task_of_1_khz(name)).start(&[])
+/// The component of [`daemon_apart`].
+pub(crate) const APART: &str = "apart";
+
+/// A daemon that has nothing to do with what is tried, and runs nothing but such a task: what it
+/// misses, tasks miss on this machine anyway.
+pub(crate) fn daemon_apart() -> Daemon {
+    Home::new().configured(&task_of_1_khz(APART)).start(&[])
 }
 
 /// Names of files for a cell of the table.

@@ -2,8 +2,8 @@
 //! it calls.
 //!
 //! A closure of libffi stores all registers of arguments, and works out from its interface where the
-//! arguments are: some 30 ns a call, for methods that codels call at each tick. These functions need
-//! 2 ns. There is a fixed number of them in a process; when all are taken, closures are made.
+//! arguments are: some 30 ns a call, for methods that codels call at each tick. These functions do
+//! without. There is a fixed number of them in a process; when all are taken, closures are made.
 //! One of the few unsafe modules.
 #![allow(unsafe_code)]
 
