@@ -20,6 +20,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import NodeNameNonExistentError
 from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient
+from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 
 # Only a failing test takes this long; its own watchdog waits longer.
 PATIENCE = 50.0
@@ -83,12 +84,16 @@ class Matched:
 readers, writers, clients, actions, goals = {}, {}, {}, {}, {}
 
 
-def read(topic, kind):
+def read(topic, kind, least=1, latched=False):
+    """Replies when there are so many publishers. With `latched`, it gets what they published last."""
     matched, samples = Matched(), deque()
     events = SubscriptionEventCallbacks(matched=matched)
-    node.create_subscription(type_of(kind), topic, lambda sample: samples.append(sample), 10, event_callbacks=events)
+    quality = QoSProfile(depth=10)
+    if latched:
+        quality.durability = QoSDurabilityPolicy.TRANSIENT_LOCAL
+    node.create_subscription(type_of(kind), topic, lambda sample: samples.append(sample), quality, event_callbacks=events)
     readers[topic] = samples
-    until(f"a publisher of {topic}", lambda: matched.count)
+    until(f"{least} publishers of {topic}", lambda: matched.count >= least)
     return "matched"
 
 

@@ -212,7 +212,7 @@ impl Hub {
         }
         let info = ServerInfo::new(self.name.clone())
             .with_capabilities(able)
-            .with_supported_encodings(["json"])
+            .with_supported_encodings(["json", "cdr"])
             .with_session_id(self.session.clone());
         reply::json(&info)
     }

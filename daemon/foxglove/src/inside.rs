@@ -34,7 +34,7 @@ impl Inside {
         Self(api)
     }
 
-    /// Makes a request; `body` is JSON, or empty.
+    /// Makes a request; `body` is what the route takes, or empty.
     pub(crate) async fn ask<R: DeserializeOwned, Q, B>(
         &self,
         by: &Asker,

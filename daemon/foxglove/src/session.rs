@@ -55,7 +55,7 @@ pub(crate) async fn serve(
     let why = tokio::select! {
         why = serving => why,
         why = write(&client, &mut sink) => why,
-        () = publishing::publish(&hub.inside, &client, values) => "",
+        () = publishing::publish(hub, &client, values) => "",
         () = watch(terms, hub, &client, &visitor) => "its token is not known any more",
         () = terms.closed.cancelled() => "the daemon stops",
     };

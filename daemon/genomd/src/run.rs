@@ -131,6 +131,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     let foxglove = Foxglove::open(foxglove, &daemon.rpc, &tokens, own, &daemon.closed);
     let foxglove = foxglove.await.map_err(Refusal::own)?;
     let supervisor = &daemon.supervisor;
+    genom_telemetry::tell_middlewares(supervisor);
     tokio::spawn(signals.obey(Arc::clone(&daemon), Arc::clone(&tokens)));
     match settings.lease.take().zip(daemon.own_cell.clone()) {
         // Others reach it through its daemon.

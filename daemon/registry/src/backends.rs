@@ -1,7 +1,7 @@
 //! The middlewares in use. Each is opened when it is first needed, and stays open.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 use std::time::Instant;
 
 use genom_gateway::{Proxy, Reach};
@@ -35,7 +35,7 @@ pub struct Backends {
     gateways: Option<Gateways>,
     pub(crate) open: Mutex<Open>,
     /// Called with each middleware when it opens.
-    opens: OnceLock<Box<OnOpen>>,
+    opens: RwLock<Vec<Box<OnOpen>>>,
     /// The foreign names that descriptions ask for, each with its number of holders. If several
     /// differ for one type, the first applies.
     masquerades: Mutex<Vec<(Disguise, usize)>>,
@@ -54,7 +54,7 @@ impl Backends {
             options,
             gateways: None,
             open: Mutex::default(),
-            opens: OnceLock::new(),
+            opens: RwLock::default(),
             masquerades: Mutex::default(),
         }
     }
@@ -76,10 +76,10 @@ impl Backends {
         (known.open)(self.options.get(known.name).unwrap_or(&toml::Table::new()))
     }
 
-    /// Sets a function to be called with each middleware when it opens. Only the first call has an
-    /// effect; make it before the first middleware is opened.
+    /// Has a function called with each middleware that opens from now on.
     pub fn on_open(&self, told: impl Fn(&Arc<dyn Middleware>) + Send + Sync + 'static) {
-        let _ = self.opens.set(Box::new(told));
+        let mut opens = self.opens.write().unwrap_or_else(PoisonError::into_inner);
+        opens.push(Box::new(told));
     }
 
     /// The middleware of that name; opens it if needed.
@@ -99,9 +99,8 @@ impl Backends {
         }
         drop(masquerades);
         drop(open);
-        if let Some(told) = self.opens.get() {
-            told(&middleware);
-        }
+        let opens = self.opens.read().unwrap_or_else(PoisonError::into_inner);
+        opens.iter().for_each(|told| told(&middleware));
         Ok(middleware)
     }
 

@@ -11,9 +11,11 @@ mod component;
 pub mod logs;
 mod page;
 pub mod selection;
+mod told;
 
 pub use component::{COUNTER, GAUGE, count, describe};
 pub use page::Page;
+pub use told::tell_middlewares;
 
 use std::collections::VecDeque;
 use std::hash::{BuildHasher as _, Hasher as _, RandomState};

@@ -10,8 +10,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Address, Client, DiscoverError, Discovery, Endpoint, NoForeignName, Obstacle, OpenError, Ports,
-    Relay, Served, ServiceHandler, ServiceType, Services, Stranger,
+    Address, Client, DiscoverError, Discovery, Endpoint, LogEntry, NoForeignName, Obstacle,
+    OpenError, Ports, Relay, Served, ServiceHandler, ServiceType, Services, Stranger,
 };
 
 /// An open middleware. A daemon has one value of each, shared by all its components.
@@ -56,6 +56,17 @@ pub trait Middleware: Ports + Send + Sync {
     /// Undoes [`masquerade`](Middleware::masquerade) for whatever is opened from now on.
     fn unmask(&self, ours: &str) {
         let _ = ours;
+    }
+
+    /// Whether this middleware shows the log of components to its own tools.
+    fn takes_log(&self) -> bool {
+        false
+    }
+
+    /// Shows an entry of a component's log. Does not block; without an effect if no port or service
+    /// of the component is open here.
+    fn log(&self, entry: &LogEntry) {
+        let _ = entry;
     }
 
     /// Harmful input from peers that was refused, counted by reason.

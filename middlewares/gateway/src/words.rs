@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use genom_middleware::{
     ActivityId, Address, AnnounceError, AskError, CallError, Capabilities, DiscoverError, Endpoint,
-    NoForeignName, Obstacle, OpenError, Outcome, Policy, Quality, Refused, ServiceKind,
+    LogEntry, NoForeignName, Obstacle, OpenError, Outcome, Policy, Quality, Refused, ServiceKind,
     ServiceType, Stranger,
 };
 use genom_types::{DataType, Definition, DefinitionError, Record};
@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 /// Both sides must have the same number. It changes with the meaning of what is sent.
-pub(crate) const PROTOCOL: u32 = 1;
+pub(crate) const PROTOCOL: u32 = 2;
 
 /// From a proxy to its gateway.
 #[derive(Debug, Serialize, Deserialize)]
@@ -37,6 +37,8 @@ pub(crate) enum Up {
     Reply { call: u64, replied: bool },
     /// Shows a type or service under a foreign name, or no more.
     Mask { ours: String, foreign: Option<String> },
+    /// An entry of a component's log.
+    Log(LogEntry),
     /// A question; that of [`Question::Ask`] has a message behind it.
     Question { number: u64, question: Question },
 }
@@ -107,6 +109,7 @@ pub(crate) struct About {
     pub(crate) capabilities: Capabilities,
     pub(crate) discovers: bool,
     pub(crate) relays: bool,
+    pub(crate) takes_log: bool,
     pub(crate) meeting: Vec<(Cow<'static, str>, String)>,
     /// Identity of this end, of middlewares that relay.
     pub(crate) own: String,

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use genom_middleware::{
     Address, Backend, Capabilities, Client, DiscoverError, Discovery, Endpoint, EndpointKind,
-    Middleware, NoForeignName, Obstacle, OpenError, Policy, PortSpec, Ports, Publisher, Refused,
-    Served, ServiceHandler, ServiceType, Services, Subscription,
+    LogEntry, Middleware, NoForeignName, Obstacle, OpenError, Policy, PortSpec, Ports, Publisher,
+    Refused, Served, ServiceHandler, ServiceType, Services, Subscription,
 };
 
 use crate::dds::Dds;
@@ -13,12 +13,15 @@ use crate::error::{BACKEND, ParticipantError};
 use crate::options::{Options, Rmw as Carrier};
 use crate::rmw::Rmw;
 use crate::ros::Ros;
+use crate::rosout::Rosout;
 use crate::services::ServiceEnds;
 use crate::zenoh::Zenoh;
 
 /// One participant of a domain, with one ROS node per component instance.
 #[derive(Clone)]
 pub struct Ros2 {
+    /// Dropped before what it writes with.
+    rosout: Arc<Rosout>,
     ros: Arc<Ros>,
     services: Arc<ServiceEnds>,
 }
@@ -36,7 +39,7 @@ impl Ros2 {
         };
         let ros = Ros::new(rmw, options);
         let services = ServiceEnds::new(Arc::clone(&ros));
-        Ok(Arc::new(Self { ros, services }))
+        Ok(Arc::new(Self { rosout: Arc::default(), ros, services }))
     }
 
     /// Blocks the out port that was opened first from sending until the result is dropped, so that
@@ -51,7 +54,7 @@ impl Ros2 {
 impl Backend for Ros2 {
     const NAME: &'static str = BACKEND;
     // The encodings have not changed since ROS 2 Iron.
-    const VERSION: &'static str = "rustdds 0.15, ROS 2 Iron to Kilted";
+    const VERSION: &'static str = "ros2-client 0.12, ROS 2 Iron to Kilted";
     const GATEWAY: bool = true;
     type Options = Options;
     type Error = ParticipantError;
@@ -99,6 +102,14 @@ impl Middleware for Ros2 {
 
     fn unmask(&self, ours: &str) {
         self.ros.masquerades.remove(ours);
+    }
+
+    fn takes_log(&self) -> bool {
+        true
+    }
+
+    fn log(&self, entry: &LogEntry) {
+        self.rosout.put(&self.ros, entry);
     }
 
     fn refused(&self) -> Vec<Refused> {

@@ -191,13 +191,6 @@ impl<'a> Fields<'a> {
         std::str::from_utf8(bytes.strip_suffix(&[0]).unwrap_or(bytes)).ok()
     }
 
-    /// Reads a sequence element by element, so that a large length in the message does not allocate
-    /// memory in advance.
-    pub(crate) fn all<T>(&mut self, one: impl Fn(&mut Self) -> Option<T>) -> Option<Vec<T>> {
-        let count = self.word()?;
-        (0..count).map(|_| one(self)).collect()
-    }
-
     /// Decodes the rest of the payload as a record.
     pub(crate) fn record(&self, ty: &DataType) -> Result<Record, CdrError> {
         let mut record = Record::new(ty);

@@ -1,6 +1,6 @@
 //! Errors of opening the middleware.
 
-use rustdds::dds::CreateError;
+use crate::dds::rustdds::dds::CreateError;
 
 use crate::options::OptionsError;
 

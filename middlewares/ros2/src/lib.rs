@@ -71,9 +71,11 @@ mod parameters;
 mod port;
 mod rmw;
 mod ros;
+mod rosout;
 mod runs;
 mod server;
 mod services;
+mod typed;
 mod within;
 mod zenoh;
 

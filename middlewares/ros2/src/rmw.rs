@@ -5,12 +5,12 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::dds::rustdds::dds::CreateError;
 use genom_middleware::{
     Address, CallError, Endpoint, EndpointKind, Obstacle, OpenError, Policy, PortSpec, Publisher,
     Refused, Subscription,
 };
 use genom_rosidl::TypeName;
-use rustdds::dds::CreateError;
 
 /// Size in bytes of the encapsulation header before a payload.
 pub(crate) const HEADER: usize = 4;
@@ -184,6 +184,9 @@ pub(crate) trait Rmw: Send + Sync {
     /// Whether a service exists, and its types if they are known to differ. Waits until `end` for
     /// one that is not known, since discovery takes time.
     fn service(&self, wanted: &Wanted, end: Instant) -> Service;
+
+    /// Whether a component of that name has ends here.
+    fn has_node(&self, node: &str) -> bool;
 
     /// Waits for a limited time until others know what was opened and closed here.
     fn settle(&self);

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
 
+use ros2_client::dds::rustdds;
 use rustdds::bytes::Bytes;
 use rustdds::mio1::{Events, Interest, Poll, Token, Waker};
 use rustdds::no_key::{DataWriter, DeserializerAdapter, SerializerAdapter, SimpleDataReader};

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use genom_middleware::{
-    Capabilities, Discovery, Middleware, NoForeignName, Refused, Relay, Services,
+    Capabilities, Discovery, LogEntry, Middleware, NoForeignName, Refused, Relay, Services,
 };
 
 use super::core::Proxy;
@@ -57,6 +57,15 @@ impl Middleware for Proxy {
         let up = Up::Mask { ours: ours.to_owned(), foreign: None };
         // The next gateway never hears of it.
         let _ = self.shared().say(&up, &[]);
+    }
+
+    fn takes_log(&self) -> bool {
+        self.shared().about(|about| about.takes_log).unwrap_or(false)
+    }
+
+    fn log(&self, entry: &LogEntry) {
+        // Where there is no gateway now, its nodes are gone, too.
+        let _ = self.shared().say(&Up::Log(entry.clone()), &[]);
     }
 
     fn refused(&self) -> Vec<Refused> {

@@ -133,6 +133,7 @@ impl Guest {
                 Some(foreign) => drop(self.middleware.masquerade(&ours, &foreign)),
                 None => self.middleware.unmask(&ours),
             },
+            Up::Log(entry) => self.middleware.log(&entry),
             Up::Question { number, question } => {
                 let payload = payload.to_vec();
                 self.apart(move |guest| {
@@ -164,6 +165,7 @@ fn about(middleware: &dyn Middleware) -> About {
         capabilities: middleware.capabilities(),
         discovers: middleware.discovery().is_some(),
         relays: middleware.relay().is_some(),
+        takes_log: middleware.takes_log(),
         meeting: middleware.meeting_point(),
         own: middleware.relay().map(|relay| relay.own()).unwrap_or_default(),
         spelled: middleware.spelled(&Address::new("a", "b")),

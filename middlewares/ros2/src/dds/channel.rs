@@ -4,12 +4,14 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
 
+use crate::dds::rustdds::bytes::Bytes;
+use crate::dds::rustdds::dds::CreateResult;
+use crate::dds::rustdds::mio1::Token;
+use crate::dds::rustdds::rpc::SampleIdentity;
+use crate::dds::rustdds::{
+    GUID, RTPSEntity, SequenceNumber, Timestamp, WriteOptions, WriteOptionsBuilder,
+};
 use genom_kit::complaints::Complaints;
-use rustdds::bytes::Bytes;
-use rustdds::dds::CreateResult;
-use rustdds::mio1::Token;
-use rustdds::rpc::SampleIdentity;
-use rustdds::{GUID, RTPSEntity, SequenceNumber, Timestamp, WriteOptions, WriteOptionsBuilder};
 
 use crate::body::Fields;
 use crate::dds::participant::Dds;

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use crate::dds::rustdds::RTPSEntity;
+use crate::dds::rustdds::dds::CreateResult;
 use genom_middleware::Quality;
 use genom_rtps_guard::Tally;
 use genom_types::DataType;
-use rustdds::RTPSEntity;
-use rustdds::dds::CreateResult;
 
 use crate::dds::channel::Maker;
 use crate::dds::farewell::Farewell;

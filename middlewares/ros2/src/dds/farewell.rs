@@ -7,7 +7,7 @@
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};
 
-use rustdds::GUID;
+use crate::dds::rustdds::GUID;
 
 /// Number of participants per host that are notified by unicast; there are usually fewer.
 const PARTICIPANTS: u16 = 32;

@@ -9,8 +9,8 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
+use crate::dds::rustdds::{GUID, Timestamp};
 use genom_kit::complaints::Complaints;
-use rustdds::{GUID, Timestamp};
 
 use crate::dds::graph::{Graph, Verdict, Wanted};
 use crate::dds::numbering::Place;

@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
-use rustdds::dds::CreateResult;
-use rustdds::mio1::Token;
-use rustdds::{GUID, QosPolicies};
+use crate::dds::rustdds::dds::CreateResult;
+use crate::dds::rustdds::mio1::Token;
+use crate::dds::rustdds::{GUID, QosPolicies};
 
 use crate::dds::feed::{Feed, FeedSink};
 use crate::dds::participant::Dds;

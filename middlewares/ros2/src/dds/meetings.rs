@@ -9,7 +9,7 @@
 
 use std::time::{Duration, Instant};
 
-use rustdds::{GUID, WriteOptionsBuilder};
+use crate::dds::rustdds::{GUID, WriteOptionsBuilder};
 
 use crate::dds::quality::same_make;
 use crate::dds::wire::{Payload, Writer};

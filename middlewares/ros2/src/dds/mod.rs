@@ -30,6 +30,8 @@ use genom_middleware::{
     Address, Endpoint, Obstacle, OpenError, Policy, PortSpec, Publisher, Refused, Subscription,
 };
 
+/// RustDDS in the version that ros2-client has.
+pub(crate) use ros2_client::dds::rustdds;
 use rustdds::RTPSEntity as _;
 
 use crate::error::ParticipantError;
@@ -115,6 +117,10 @@ impl Rmw for Dds {
 
     fn service(&self, wanted: &Wanted, end: Instant) -> Service {
         self.0.graph.service(&graph::Wanted::of(wanted), end)
+    }
+
+    fn has_node(&self, node: &str) -> bool {
+        self.0.graph.has_node(node)
     }
 
     fn settle(&self) {

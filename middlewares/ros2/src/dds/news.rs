@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use rustdds::{DomainParticipantStatusEvent as Event, EndpointDescription, GUID, LostReason};
+use crate::dds::rustdds::{
+    DomainParticipantStatusEvent as Event, EndpointDescription, GUID, LostReason,
+};
 
 use crate::dds::feeds::Feeds;
 use crate::dds::graph::{Found, Graph};
@@ -11,7 +13,7 @@ use crate::dds::receiver::News;
 use crate::dds::reunions::Reunions;
 use crate::dds::sender::Orders;
 
-fn found(end: EndpointDescription, writer: bool) -> (rustdds::GUID, Found) {
+fn found(end: EndpointDescription, writer: bool) -> (GUID, Found) {
     (end.guid, Found::new(end, writer))
 }
 

@@ -7,7 +7,7 @@
 //! is not possible: RustDDS cannot send one together with fragments that fill a datagram. Writers
 //! of other implementations number samples only.
 
-use rustdds::{GUID, Timestamp, WriteOptions, WriteOptionsBuilder};
+use crate::dds::rustdds::{GUID, Timestamp, WriteOptions, WriteOptionsBuilder};
 
 /// Number of low bits of a timestamp that hold the count. Timestamps that differ only there belong
 /// to the same sample.

@@ -3,16 +3,19 @@
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
-use rustdds::dds::CreateResult;
-use rustdds::{DomainParticipant, DomainParticipantBuilder, QosPolicies, TopicKind};
+use crate::dds::rustdds::dds::CreateResult;
+use crate::dds::rustdds::{
+    DomainParticipant, DomainParticipantBuilder, Publisher, QosPolicies, Subscriber, Topic,
+    TopicKind,
+};
 
 use crate::dds::wire::{Reader, Writer};
 use crate::domain::Domain;
 
 /// Creates writers and readers.
 pub(crate) struct Dds {
-    publisher: rustdds::Publisher,
-    subscriber: rustdds::Subscriber,
+    publisher: Publisher,
+    subscriber: Subscriber,
     pub(crate) participant: DomainParticipant,
     /// Every topic that was ever written or read here, with its type and QoS.
     opened: Mutex<HashMap<(String, Direction), (String, QosPolicies)>>,
@@ -38,7 +41,7 @@ impl Dds {
         Ok(Self { publisher, subscriber, participant, opened: Mutex::default() })
     }
 
-    fn topic(&self, name: &str, ty: &str, qos: &QosPolicies) -> CreateResult<rustdds::Topic> {
+    fn topic(&self, name: &str, ty: &str, qos: &QosPolicies) -> CreateResult<Topic> {
         self.participant.create_topic(name.to_owned(), ty.to_owned(), qos, TopicKind::NoKey)
     }
 

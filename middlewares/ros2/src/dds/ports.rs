@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use crate::dds::rustdds::{GUID, RTPSEntity};
 use genom_kit::intake::Keeping;
 use genom_kit::outlet::Outlet;
 use genom_middleware::{OpenError, Policy, PortSpec, PublishError, Publisher, Subscription};
 use genom_types::Record;
-use rustdds::{GUID, RTPSEntity};
 
 use crate::dds::core::{Core, samples_of};
 use crate::dds::graph::{Claim, Made, Wanted};

@@ -7,7 +7,7 @@ use std::collections::{HashMap, HashSet, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
 
-use rustdds::{GUID, RTPSEntity};
+use crate::dds::rustdds::{GUID, RTPSEntity};
 
 use crate::dds::meetings;
 use crate::dds::wire::Writer;

@@ -3,9 +3,9 @@
 //! What is configured for a port is fixed. In everything else a reader follows the existing
 //! writers: it requests no more than all of them offer, so that it matches each of them.
 
+use crate::dds::rustdds::{GUID, QosPolicies, policy};
 use genom_middleware::{Address, Obstacle, Quality};
 use genom_rosidl::TypeName;
-use rustdds::{GUID, QosPolicies, policy};
 
 use crate::dds::graph::Found;
 use crate::options::Qos;

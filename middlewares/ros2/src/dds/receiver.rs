@@ -8,12 +8,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::{self, JoinHandle, ThreadId};
 
-use genom_kit::prompt::be_prompt;
-use rustdds::mio1::{Events, Interest, Poll, Token, Waker};
-use rustdds::rpc::SampleIdentity;
-use rustdds::{
+use crate::dds::rustdds::mio1::{Events, Interest, Poll, Token, Waker};
+use crate::dds::rustdds::rpc::SampleIdentity;
+use crate::dds::rustdds::{
     DomainParticipantStatusEvent, DomainParticipantStatusListener, GUID, StatusEvented, Timestamp,
 };
+use genom_kit::prompt::be_prompt;
 
 use crate::dds::wire::{CopyTo, Reader};
 

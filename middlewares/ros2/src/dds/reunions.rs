@@ -10,7 +10,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use rustdds::{GUID, RTPSEntity};
+use crate::dds::rustdds::{GUID, RTPSEntity};
 
 use crate::dds::graph::Found;
 use crate::dds::participant::{Dds, Direction};

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use crate::dds::rustdds::bytes::Bytes;
+use crate::dds::rustdds::{GUID, RTPSEntity, Timestamp};
 use genom_kit::complaints::BETWEEN_LINES;
 use genom_kit::lines::Lines;
 use genom_kit::outlet::Outlet;
 use genom_kit::sender::{self, Duty};
-use rustdds::bytes::Bytes;
-use rustdds::{GUID, RTPSEntity, Timestamp};
 
 use crate::dds::feed::Feed;
 use crate::dds::feeds::Feeds;

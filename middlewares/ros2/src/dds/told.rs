@@ -3,7 +3,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use rustdds::bytes::Bytes;
+use crate::dds::rustdds::GUID;
+use crate::dds::rustdds::bytes::Bytes;
 
 use crate::dds::feeds::Feeds;
 use crate::dds::graph::Graph;
@@ -12,6 +13,7 @@ use crate::dds::process::Process;
 use crate::dds::receiver::{Sample, Sink};
 use crate::dds::sender::Announce;
 use crate::dds::wire::{Payload, Writer};
+use crate::typed;
 
 /// Announces this daemon's nodes and ends.
 pub(crate) struct Told {
@@ -27,8 +29,8 @@ pub(crate) struct Told {
 impl Announce for Told {
     fn tell(&self) -> bool {
         let (ends, nodes) = self.graph.ours(&self.namespace);
-        let ends = info::encode(&Ends { process: self.process.clone(), ends });
-        let nodes = info::encode(&Graph::nodes(self.participant, nodes));
+        let ends = typed::encode(&Ends { process: self.process.clone(), ends });
+        let nodes = typed::encode(&Graph::nodes(self.participant, nodes));
         [(&self.ends, ends), (&self.nodes, nodes)].into_iter().all(|(writer, payload)| {
             // Repeating it would fail again.
             let Some(payload) = payload else { return true };
@@ -50,7 +52,7 @@ impl Announce for Told {
 pub(crate) struct Hear {
     pub(crate) graph: Arc<Graph>,
     pub(crate) feeds: Arc<Feeds>,
-    pub(crate) ourselves: rustdds::GUID,
+    pub(crate) ourselves: GUID,
 }
 
 impl Sink for Hear {
@@ -58,7 +60,7 @@ impl Sink for Hear {
         if sample.writer.prefix == self.ourselves.prefix {
             return;
         }
-        match info::decode::<Ends>(sample.message) {
+        match typed::decode::<Ends>(sample.message) {
             Some(ends) => {
                 self.graph.told(sample.writer, ends);
                 self.feeds.settle();

@@ -2,10 +2,10 @@
 
 use std::sync::{Arc, Mutex};
 
-use rustdds::bytes::Bytes;
-use rustdds::dds::CreateResult;
-use rustdds::mio1::Token;
-use rustdds::{RTPSEntity, Timestamp};
+use crate::dds::rustdds::bytes::Bytes;
+use crate::dds::rustdds::dds::CreateResult;
+use crate::dds::rustdds::mio1::Token;
+use crate::dds::rustdds::{RTPSEntity, Timestamp};
 
 use crate::dds::channel::settle;
 use crate::dds::core::Core;

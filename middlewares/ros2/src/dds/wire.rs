@@ -3,9 +3,13 @@
 use std::cell::RefCell;
 use std::convert::Infallible;
 
-use rustdds::bytes::Bytes;
-use rustdds::no_key::{Decode, DeserializerAdapter, SerializerAdapter};
-use rustdds::{Duration, QosPolicies, QosPolicyBuilder, RepresentationIdentifier, policy};
+use crate::dds::rustdds::bytes::Bytes;
+use crate::dds::rustdds::no_key::{
+    DataWriter, Decode, DeserializerAdapter, SerializerAdapter, SimpleDataReader,
+};
+use crate::dds::rustdds::{
+    Duration, QosPolicies, QosPolicyBuilder, RepresentationIdentifier, policy,
+};
 
 pub(crate) use crate::rmw::HEADER;
 
@@ -14,7 +18,7 @@ pub(crate) struct Payload(pub(crate) Bytes);
 
 pub(crate) enum Outgoing {}
 
-pub(crate) type Writer = rustdds::no_key::DataWriter<Payload, Outgoing>;
+pub(crate) type Writer = DataWriter<Payload, Outgoing>;
 
 impl SerializerAdapter<Payload> for Outgoing {
     type Error = Infallible;
@@ -34,7 +38,7 @@ pub(crate) struct Copied;
 
 pub(crate) enum Incoming {}
 
-pub(crate) type Reader = rustdds::no_key::SimpleDataReader<Copied, Incoming>;
+pub(crate) type Reader = SimpleDataReader<Copied, Incoming>;
 
 /// Copies a message, header and payload, into a buffer that is reused.
 #[derive(Clone)]

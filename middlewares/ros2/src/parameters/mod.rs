@@ -5,6 +5,7 @@
 //! value that the component has.
 
 mod error;
+mod events;
 mod gather;
 mod node;
 mod table;

@@ -5,16 +5,25 @@ use std::sync::{Arc, Mutex, OnceLock};
 
 use genom_middleware::{Address, Outcome};
 use genom_types::Record;
+use ros2_client::parameters::raw::{self, IntegerRange, ParameterDescriptor, SetParametersResult};
+use ros2_client::parameters::{Parameter, ParameterType, ParameterValue as Value};
+use ros2_client::rcl_interfaces::{
+    DescribeParametersRequest, DescribeParametersResponse, GetParameterTypesRequest,
+    GetParameterTypesResponse, GetParametersRequest, GetParametersResponse, ListParametersRequest,
+    ListParametersResponse, ListParametersResult, SetParametersAtomicallyResponse,
+    SetParametersRequest, SetParametersResponse,
+};
+use serde::Serialize;
 
 use super::error::SetError;
+use super::events::Events;
 use super::gather::Gather;
-use super::table::{Attribute, Parameter, parameters};
-use super::value::{Value, put_all, put_long};
-use crate::body::{self, Fields};
+use super::table::{Attribute, Known, parameters};
 use crate::lock::lock;
 use crate::names::{self, TypeName};
-use crate::rmw::{self, EndError, Entities, Named, ServerEnd};
+use crate::rmw::{self, EndError, Named, ServerEnd};
 use crate::ros::Ros;
+use crate::typed;
 
 /// Attributes of an instance, by name.
 pub(crate) type Attributes = Arc<Mutex<BTreeMap<String, Arc<Attribute>>>>;
@@ -25,7 +34,7 @@ pub(crate) struct Service {
     /// Name of its type in `rcl_interfaces/srv`.
     ty: &'static str,
     /// Decodes a request and arranges for the reply; `None` if it cannot be decoded.
-    serve: fn(&Arc<Node>, Reply, Fields<'_>) -> Option<()>,
+    serve: fn(&Arc<Node>, Reply, &[u8]) -> Option<()>,
 }
 
 /// All parameter services, in the order of [`Node`]'s ends.
@@ -40,6 +49,7 @@ pub(crate) const SERVICES: [Service; 6] = [
 
 /// The services of one node. Fields are dropped in order.
 pub(crate) struct Node {
+    events: Arc<Events>,
     ends: OnceLock<Vec<Box<dyn ServerEnd>>>,
     belonging: OnceLock<Box<dyn Send + Sync>>,
     attributes: Attributes,
@@ -54,9 +64,11 @@ impl Node {
         at: &Address,
         attributes: Attributes,
     ) -> Result<Arc<Self>, EndError> {
-        let (ends, belonging) = (OnceLock::new(), OnceLock::new());
-        let node = Arc::new(Self { ends, belonging, attributes });
         let name = names::token(&at.instance);
+        let events = Events::open(ros, &name, path)?;
+        let mut entities = events.entities();
+        let (ends, belonging) = (OnceLock::new(), OnceLock::new());
+        let node = Arc::new(Self { events, ends, belonging, attributes });
         let mut made = Vec::with_capacity(SERVICES.len());
         for service in &SERVICES {
             let ty = TypeName::new("rcl_interfaces", "srv", service.ty);
@@ -65,14 +77,12 @@ impl Node {
             let weak = Arc::downgrade(&node);
             let on_request = move |reply, message: &[u8]| {
                 let Some(node) = weak.upgrade() else { return };
-                let served = Fields::of(message).and_then(|all| (service.serve)(&node, reply, all));
-                if served.is_none() {
+                if (service.serve)(&node, reply, message).is_none() {
                     tracing::warn!("a request of {} cannot be read; it is left out", service.ty);
                 }
             };
             made.push(ros.rmw.server(&name, &of, Box::new(on_request))?);
         }
-        let mut entities = Entities::default();
         for one in made.iter().map(|end| end.entities()) {
             entities.writers.extend(one.writers);
             entities.readers.extend(one.readers);
@@ -83,8 +93,16 @@ impl Node {
         Ok(node)
     }
 
-    fn parameters(&self) -> BTreeMap<String, Parameter> {
+    fn parameters(&self) -> BTreeMap<String, Known> {
         parameters(lock(&self.attributes).values())
+    }
+}
+
+/// Sends a reply.
+fn answer(reply: Reply, response: &impl Serialize) {
+    // None of them can fail to be encoded: they consist of texts and numbers.
+    if let Some(body) = typed::encode(response) {
+        reply.send(body);
     }
 }
 
@@ -94,26 +112,20 @@ impl Drop for Node {
     }
 }
 
-/// `string[]`.
-fn strings(fields: &mut Fields<'_>) -> Option<Vec<String>> {
-    fields.all(|fields| fields.string().map(str::to_owned))
-}
-
 /// `GetParameters`.
-fn get(node: &Arc<Node>, reply: Reply, mut fields: Fields<'_>) -> Option<()> {
-    let names = strings(&mut fields)?;
+fn get(node: &Arc<Node>, reply: Reply, message: &[u8]) -> Option<()> {
+    let names = typed::decode::<GetParametersRequest>(message)?.names;
     let all = node.parameters();
-    let gather = Gather::new(vec![Value::NotSet; names.len()], move |values| {
-        let mut body = Vec::new();
-        put_all(&mut body, &values, |out, value| value.put(out));
-        reply.send(body);
+    let gather = Gather::new(vec![Value::NotSet; names.len()], move |values: Vec<Value>| {
+        let values = values.into_iter().map(Into::into).collect();
+        answer(reply, &GetParametersResponse { values });
     });
     for (place, name) in names.iter().enumerate() {
         let Some((attribute, shape)) = all.get(name).and_then(|known| known.get.clone()) else {
             continue;
         };
         let told = move |outcome: Outcome| match outcome {
-            Outcome::Success(output) => shape.value(&output.to_json()).unwrap_or_default(),
+            Outcome::Success(output) => shape.value(&output.to_json()).unwrap_or(Value::NotSet),
             _ => Value::NotSet,
         };
         let input = Record::new(&attribute.ty.input);
@@ -125,25 +137,27 @@ fn get(node: &Arc<Node>, reply: Reply, mut fields: Fields<'_>) -> Option<()> {
 /// Result of setting a parameter: the reason if it was not set.
 type Set = Result<(), SetError>;
 
-fn put_set(out: &mut Vec<u8>, set: &Set) {
-    out.push(u8::from(set.is_ok()));
+fn result(set: &Set) -> SetParametersResult {
     let why = set.as_ref().err().map(SetError::to_string);
-    body::put_string(out, why.as_deref().unwrap_or_default());
+    SetParametersResult { successful: set.is_ok(), reason: why.unwrap_or_default() }
 }
 
-/// Sets several parameters, one after the other.
-fn set_all(
-    node: &Node,
-    wanted: Vec<(String, Value)>,
-    then: impl FnOnce(Vec<Set>) + Send + 'static,
-) {
+/// Sets several parameters, one after the other, and tells all who listen which ones were set.
+fn set_all(node: &Node, wanted: Vec<raw::Parameter>, then: impl FnOnce(Vec<Set>) + Send + 'static) {
     let all = node.parameters();
-    let gather = Gather::new(wanted.iter().map(|_| Err(SetError::Gone)).collect(), then);
-    for (place, (name, value)) in wanted.iter().enumerate() {
+    let given_up = wanted.iter().map(|_| Err(SetError::Gone)).collect();
+    let values: Vec<_> = wanted.iter().cloned().map(Parameter::from).collect();
+    let events = Arc::clone(&node.events);
+    let gather = Gather::new(given_up, move |results: Vec<Set>| {
+        let set = wanted.into_iter().zip(&results).filter(|(_, result)| result.is_ok());
+        events.changed(set.map(|(parameter, _)| parameter).collect());
+        then(results);
+    });
+    for (place, Parameter { name, value }) in values.iter().enumerate() {
         let input = match all.get(name) {
             None => Err(SetError::Unknown(name.clone())),
-            Some(Parameter { set: None, .. }) => Err(SetError::ReadOnly(name.clone())),
-            Some(Parameter { set: Some((attribute, shape)), .. }) => {
+            Some(Known { set: None, .. }) => Err(SetError::ReadOnly(name.clone())),
+            Some(Known { set: Some((attribute, shape)), .. }) => {
                 shape.json(value).and_then(|json| {
                     let mut input = Record::new(&attribute.ty.input);
                     input.merge_json(&json)?;
@@ -168,87 +182,76 @@ fn outcome_of_set(outcome: Outcome) -> Set {
     }
 }
 
-/// `rcl_interfaces/msg/Parameter[]`.
-fn pairs(fields: &mut Fields<'_>) -> Option<Vec<(String, Value)>> {
-    fields.all(|fields| Some((fields.string()?.to_owned(), Value::take(fields)?)))
+/// What is to be set; `None` if the message is cut, or a value is of an unknown type.
+fn wanted(message: &[u8]) -> Option<Vec<raw::Parameter>> {
+    let wanted = typed::decode::<SetParametersRequest>(message)?.parameter;
+    let greatest = raw::ParameterType::STRING_ARRAY;
+    wanted.iter().all(|one| one.value.ptype <= greatest).then_some(wanted)
 }
 
 /// `SetParameters`.
-fn set(node: &Arc<Node>, reply: Reply, mut fields: Fields<'_>) -> Option<()> {
-    set_all(node, pairs(&mut fields)?, move |results| {
-        let mut body = Vec::new();
-        put_all(&mut body, &results, put_set);
-        reply.send(body);
+fn set(node: &Arc<Node>, reply: Reply, message: &[u8]) -> Option<()> {
+    set_all(node, wanted(message)?, move |results| {
+        answer(reply, &SetParametersResponse { results: results.iter().map(result).collect() });
     });
     Some(())
 }
 
 /// `SetParametersAtomically`. Attributes are set one by one, so only a single one can be set
 /// atomically.
-fn set_one(node: &Arc<Node>, reply: Reply, mut fields: Fields<'_>) -> Option<()> {
-    let wanted = pairs(&mut fields)?;
-    let answer = move |result: Set| {
-        let mut body = Vec::new();
-        put_set(&mut body, &result);
-        reply.send(body);
+fn set_one(node: &Arc<Node>, reply: Reply, message: &[u8]) -> Option<()> {
+    let wanted = wanted(message)?;
+    let told = move |set: Set| {
+        answer(reply, &SetParametersAtomicallyResponse { result: result(&set) });
     };
     if wanted.len() > 1 {
-        answer(Err(SetError::Several));
+        told(Err(SetError::Several));
     } else {
-        set_all(node, wanted, move |results| answer(results.into_iter().collect()));
+        set_all(node, wanted, move |results| told(results.into_iter().collect()));
     }
     Some(())
 }
 
 /// `GetParameterTypes`.
-fn types(node: &Arc<Node>, reply: Reply, mut fields: Fields<'_>) -> Option<()> {
-    let names = strings(&mut fields)?;
+fn types(node: &Arc<Node>, reply: Reply, message: &[u8]) -> Option<()> {
+    let names = typed::decode::<GetParameterTypesRequest>(message)?.names;
     let all = node.parameters();
-    let mut body = Vec::new();
-    put_all(&mut body, &names, |out, name| {
-        out.push(all.get(name).map_or(Value::NotSet.ty(), Parameter::ty) as u8);
-    });
-    reply.send(body);
+    let ty = |name| all.get(name).map_or(ParameterType::NotSet, Known::ty) as u8;
+    answer(reply, &GetParameterTypesResponse { values: names.iter().map(ty).collect() });
     Some(())
 }
 
 /// `DescribeParameters`.
-fn describe(node: &Arc<Node>, reply: Reply, mut fields: Fields<'_>) -> Option<()> {
-    let names = strings(&mut fields)?;
+fn describe(node: &Arc<Node>, reply: Reply, message: &[u8]) -> Option<()> {
+    let names = typed::decode::<DescribeParametersRequest>(message)?.names;
     let all = node.parameters();
-    let unknown = Parameter::default();
-    let mut body = Vec::new();
-    put_all(&mut body, &names, |out, name| {
-        let (name, known) = match all.get(name) {
-            Some(known) => (name.as_str(), known),
-            None => ("", &unknown),
-        };
-        body::put_string(out, name);
-        out.push(known.ty() as u8);
-        body::put_string(out, &known.description());
-        body::put_string(out, known.constraint());
-        // Read-only; may change its type.
-        out.extend_from_slice(&[u8::from(known.set.is_none()), 0]);
-        let ranges: Vec<_> = known.range().into_iter().collect();
-        put_all::<()>(out, &[], |_, ()| {});
-        put_all(out, &ranges, |out, (least, greatest)| {
-            put_long(out, *least);
-            put_long(out, *greatest);
-            put_long(out, 1);
-        });
-    });
-    reply.send(body);
+    let values = names.into_iter().map(|name| described(all.get_key_value(&name))).collect();
+    answer(reply, &DescribeParametersResponse { values });
     Some(())
 }
 
+/// One that is not known is described without a name.
+fn described(known: Option<(&String, &Known)>) -> ParameterDescriptor {
+    let (name, known) =
+        known.map_or_else(Default::default, |(name, known)| (name.clone(), known.clone()));
+    let range = |(from_value, to_value)| IntegerRange { from_value, to_value, step: 1 };
+    ParameterDescriptor {
+        name,
+        r#type: known.ty() as u8,
+        description: known.description(),
+        additional_constraints: known.constraint().to_owned(),
+        read_only: known.set.is_none(),
+        dynamic_typing: false,
+        floating_point_range: Vec::new(),
+        integer_range: known.range().map(range).into_iter().collect(),
+    }
+}
+
 /// `ListParameters`.
-fn list(node: &Arc<Node>, reply: Reply, mut fields: Fields<'_>) -> Option<()> {
-    let (prefixes, depth) = (strings(&mut fields)?, fields.long()?);
+fn list(node: &Arc<Node>, reply: Reply, message: &[u8]) -> Option<()> {
+    let ListParametersRequest { prefixes, depth } = typed::decode(message)?;
     let (names, prefixes) = listed(node.parameters().into_keys(), &prefixes, depth);
-    let mut body = Vec::new();
-    put_all(&mut body, &names, |out, name| body::put_string(out, name));
-    put_all(&mut body, &prefixes, |out, name| body::put_string(out, name));
-    reply.send(body);
+    answer(reply, &ListParametersResponse { result: ListParametersResult { names, prefixes } });
     Some(())
 }
 

@@ -10,8 +10,9 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 use genom_middleware::{ServiceHandler, ServiceType};
+use ros2_client::parameters::ParameterType;
 
-use super::value::{Shape, Type};
+use super::value::Shape;
 
 /// A served attribute that is suitable for a parameter.
 pub(crate) struct Attribute {
@@ -47,19 +48,19 @@ impl Way {
 
 /// A parameter. At least one of `get` and `set` is present.
 #[derive(Clone, Default)]
-pub(crate) struct Parameter {
+pub(crate) struct Known {
     pub(crate) get: Option<(Arc<Attribute>, Shape)>,
     pub(crate) set: Option<(Arc<Attribute>, Shape)>,
 }
 
-impl Parameter {
+impl Known {
     /// The shape that it takes or, if read-only, that it returns.
     fn shape(&self) -> Option<&Shape> {
         self.set.as_ref().or(self.get.as_ref()).map(|(_, shape)| shape)
     }
 
-    pub(crate) fn ty(&self) -> Type {
-        self.shape().map_or(Type::NotSet, |shape| shape.ty)
+    pub(crate) fn ty(&self) -> ParameterType {
+        self.shape().map_or(ParameterType::NotSet, |shape| shape.ty)
     }
 
     pub(crate) fn range(&self) -> Option<(i64, i64)> {
@@ -95,7 +96,7 @@ impl Parameter {
 /// All parameters, by name. The result does not depend on the order of the attributes.
 pub(crate) fn parameters<'a>(
     attributes: impl Iterator<Item = &'a Arc<Attribute>>,
-) -> BTreeMap<String, Parameter> {
+) -> BTreeMap<String, Known> {
     let mut by_member: BTreeMap<&str, Vec<&Arc<Attribute>>> = BTreeMap::new();
     for attribute in attributes {
         by_member.entry(attribute.way.shape().name()).or_default().push(attribute);
@@ -115,7 +116,7 @@ pub(crate) fn parameters<'a>(
                 true => member.to_owned(),
                 false => format!("{}.{member}", attribute.name),
             };
-            all.entry(name).or_insert_with(Parameter::default).add(attribute);
+            all.entry(name).or_insert_with(Known::default).add(attribute);
         }
     }
     all
@@ -158,7 +159,7 @@ mod tests {
     fn described(attributes: &[Arc<Attribute>]) -> Vec<(String, String)> {
         let forth = parameters(attributes.iter());
         let back = parameters(attributes.iter().rev());
-        let tell = |all: BTreeMap<String, Parameter>| {
+        let tell = |all: BTreeMap<String, Known>| {
             all.into_iter().map(|(name, one)| (name, one.description())).collect::<Vec<_>>()
         };
         let told = tell(forth);

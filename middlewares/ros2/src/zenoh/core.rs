@@ -211,6 +211,10 @@ impl Core {
         Ok(shown)
     }
 
+    pub(crate) fn has_node(&self, name: &str) -> bool {
+        lock(&self.nodes).get(name).is_some_and(|node| node.strong_count() > 0)
+    }
+
     /// A number for a service that is told of before it exists.
     pub(crate) fn claim(&self, name: &str) -> u64 {
         let number = self.number();

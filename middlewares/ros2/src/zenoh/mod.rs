@@ -143,6 +143,10 @@ impl Rmw for Zenoh {
         self.0.graph.service(wanted, end)
     }
 
+    fn has_node(&self, node: &str) -> bool {
+        self.0.has_node(node)
+    }
+
     // Tokens go out at once.
     fn settle(&self) {}
 

@@ -7,6 +7,7 @@ use std::marker::PhantomData;
 use std::net::{IpAddr, UdpSocket};
 
 use genom_conformance::eventually;
+use ros2_client::dds::rustdds;
 use rustdds::bytes::Bytes;
 use rustdds::no_key::{DataWriter, SerializerAdapter};
 use rustdds::{

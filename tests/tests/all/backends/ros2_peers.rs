@@ -79,6 +79,35 @@ fn a_ros_node_reads_calls_and_sets_the_demo() {
 }
 
 #[test]
+fn what_the_demo_logs_and_which_of_its_parameters_are_set_is_told_to_all_nodes() {
+    let World { daemon, mut peer, namespace } = World::new();
+    let node = format!("{namespace}/demo");
+    // As rqt_console reads it: whoever comes late gets the latest entry.
+    peer.ask(&json!(["read", "/rosout", "rcl_interfaces/msg/Log", 1, true]));
+    let entry = peer.ask(&json!(["sample", "/rosout"]));
+    assert_eq!(entry["msg"], "runs on ros2");
+    assert_eq!(
+        (&entry["level"], &entry["function"]),
+        (&json!(20), &json!("genom_supervisor::supervisor"))
+    );
+    assert_eq!(entry["name"], format!("{}.demo", namespace.trim_start_matches('/')));
+    daemon.ctl(&["reload", "demo"]).expect_code(0);
+    while !peer.ask(&json!(["sample", "/rosout"]))["msg"].as_str().unwrap().starts_with("runs /") {}
+
+    // The node that listens is a publisher, too.
+    peer.ask(&json!(["read", "/parameter_events", "rcl_interfaces/msg/ParameterEvent", 2]));
+    peer.ask(&json!(["parameters", node]));
+    peer.ask(&json!(["set", node, [["velocity", 1.5], ["velocity", 9.0]]]));
+    let event = peer.ask(&json!(["sample", "/parameter_events"]));
+    assert_eq!(event["node"], json!(node));
+    let changed = event["changed_parameters"].as_array().unwrap();
+    // The second one was refused.
+    assert_eq!(changed.len(), 1, "{event}");
+    assert_eq!(changed[0]["name"], "velocity");
+    assert_eq!(changed[0]["value"]["double_value"], 1.5);
+}
+
+#[test]
 fn a_ros_node_sends_the_demo_goals_and_gives_them_up() {
     let World { daemon, mut peer, namespace } = World::new();
     let goto = format!("{namespace}/demo/goto");

@@ -1,6 +1,6 @@
 //! What a client does to a robot: services, parameters, values; and not without the right to.
 
-use genom_tests::{component, path};
+use genom_tests::{component, path, request};
 use serde_json::{Value, json};
 
 use super::visitor::{CALL, Client, demo};
@@ -92,7 +92,8 @@ fn a_published_value_reaches_the_codels() {
     client.ask("publish", &[channel, json!(0.25)]);
     echo.line_where(|line| line == "0.25");
     for (topic, encoding, told) in [
-        ("/demo/parameter", "cdr", "values are published as `json`, not `cdr`"),
+        ("/demo/parameter", "ros1", "values are published as `json` or `cdr`, not `ros1`"),
+        ("/demo/parameter", "cdr", "values as `cdr` need the name of their type (`schemaName`)"),
         ("demo", "json", "the topic of an in port is /COMPONENT/PORT"),
     ] {
         client.ask("advertise", &[json!(topic), json!(encoding)]);
@@ -106,6 +107,47 @@ fn a_published_value_reaches_the_codels() {
     // It is a connection as any other, and can be ended.
     daemon.ctl(&["disconnect", "demo/parameter"]).expect_code(0);
     events.wait_for(|event| event["event"] == "disconnected");
+}
+
+#[test]
+fn values_are_published_as_cdr_of_the_type_that_the_port_has() {
+    let (daemon, address) = demo(CALL, &[]);
+    let mut client = Client::new(&daemon, &address);
+    let at = "/components/demo/ports/parameter/type";
+    let ty = request(&daemon.home().socket(), "GET", at, "").body;
+    let (name, definition) = (ty["message"]["name"].clone(), ty["message"]["definition"].clone());
+    let member = definition.as_str().unwrap().split_whitespace().nth(1).unwrap().to_owned();
+    let advertised = |client: &mut Client, name: &Value, definition: &Value| {
+        let port = json!("/demo/parameter");
+        client.ask("advertise", &[port, json!("cdr"), name.clone(), definition.clone()])
+    };
+    let sent = |client: &mut Client, channel: &Value, value: f64| {
+        let value = json!({ &member: value });
+        client.ask("publish_cdr", &[channel.clone(), value, definition.clone()]);
+    };
+    // The port is read only during a motion; this one is slow enough to last.
+    daemon.ctl(&["call", "demo", "set_speed", "velocity=0.01"]).expect_code(0);
+    daemon.ctl(&["start", "demo", "goto", "goal=1"]).expect_code(0);
+    let defined = advertised(&mut client, &name, &definition);
+    let named = advertised(&mut client, &name, &json!(""));
+    sent(&mut client, &defined, 0.5);
+    let echo = daemon.spawn(&["echo", "demo/parameter"]);
+    echo.line_where(|line| line == "0.5");
+    sent(&mut client, &named, 0.25);
+    echo.line_where(|line| line == "0.25");
+    // Another type, by its name or by what it is made of, and bytes that are no value of it.
+    let other = advertised(&mut client, &json!("demo/msg/Other"), &definition);
+    sent(&mut client, &other, 0.75);
+    client.is_told("/demo/parameter: demo/msg/Other is not its type; the port has ");
+    let otherwise = advertised(&mut client, &name, &json!(format!("uint64 {member}")));
+    sent(&mut client, &otherwise, 0.75);
+    client.is_told("is defined otherwise here");
+    for bytes in [&[][..], &[0, 1, 0, 0], &[0, 1, 0, 0, 0, 0, 0], &[9; 12]] {
+        client.ask("publish_bytes", &[named.clone(), json!(bytes)]);
+    }
+    // None of them came through: the next value that does is this one.
+    sent(&mut client, &named, 1.5);
+    assert_eq!(echo.line_where(|line| line != "0.25"), "1.5");
 }
 
 #[test]

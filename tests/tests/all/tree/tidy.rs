@@ -54,7 +54,10 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-configuration", CONFIGURATION),
     ("genom-doors", &["genom-nearest", "genom-proof", "genom-protocol"]),
     ("genom-web", &["genom-configuration", "genom-doors", "genom-proof", "genom-protocol"]),
-    ("genom-foxglove", &["genom-configuration", "genom-doors", "genom-protocol"]),
+    (
+        "genom-foxglove",
+        &["genom-configuration", "genom-doors", "genom-protocol", "genom-recording"],
+    ),
     ("genom-supervisor", SUPERVISOR),
     ("genom-views", VIEWS),
     ("genom-cells", CELLS),
@@ -186,6 +189,7 @@ const SUPERVISOR: &[&str] = &[
 const TELEMETRY: &[&str] = &[
     "genom-configuration",
     "genom-host",
+    "genom-middleware",
     "genom-nearest",
     "genom-ports",
     "genom-protocol",

@@ -2,8 +2,8 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use crate::dds::rustdds::{EndpointDescription, GUID, QosPolicies};
 use genom_middleware::EndpointKind;
-use rustdds::{EndpointDescription, GUID, QosPolicies};
 
 use crate::dds::info::{self, Gid};
 use crate::rmw::{self, Named, Service};

@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
+use crate::dds::rustdds::{GUID, QosPolicies};
 use genom_middleware::EndpointKind;
 use genom_rosidl::TypeName;
-use rustdds::{GUID, QosPolicies};
 
 use super::ends::{Entities, Found, Own, Verdict, Wanted, service_of};
 use crate::dds::info::{self, End, Ends};

@@ -32,6 +32,13 @@ impl Graph {
         own.chain(others).collect()
     }
 
+    /// Whether a node of ours has ends.
+    pub(crate) fn has_node(&self, name: &str) -> bool {
+        let state = self.lock();
+        state.own.values().any(|own| own.wanted.node == name)
+            || state.others.values().any(|other| other.node == name)
+    }
+
     /// What we announce: our ends, and our nodes with all their writers and readers.
     pub(crate) fn ours(&self, namespace: &str) -> (Vec<End>, Vec<Node>) {
         let state = self.lock();

@@ -1,0 +1,31 @@
+//! What components log, for middlewares whose tools show such entries.
+
+use serde::{Deserialize, Serialize};
+
+/// An entry of a component's log.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LogEntry {
+    /// The component instance.
+    pub instance: String,
+    /// When it was logged, in nanoseconds since 1970.
+    pub time: i64,
+    /// Its severity.
+    pub level: LogLevel,
+    /// What logged it: a module of the daemon.
+    pub place: String,
+    /// The message.
+    pub message: String,
+}
+
+/// Severity of an entry, from the least.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum LogLevel {
+    /// Details for those who look for a fault.
+    Debug,
+    /// What happens in the normal course.
+    Info,
+    /// What may become a fault.
+    Warn,
+    /// What failed.
+    Error,
+}
