@@ -9,13 +9,14 @@ use crate::{BuildError, Paths, python};
 
 /// Its client library, its default middleware, some message packages, and what its generators of
 /// types need.
-const JAZZY: [&str; 7] = [
+const JAZZY: [&str; 8] = [
     "ros-jazzy-rclpy==7.1.6",
     "ros-jazzy-rmw-fastrtps-cpp==8.4.3",
     "ros-jazzy-std-msgs==5.3.6",
     "ros-jazzy-geometry-msgs==5.3.6",
     "ros-jazzy-std-srvs==5.3.6",
     "ros-jazzy-test-msgs==2.0.3",
+    "ros-jazzy-diagnostic-msgs==5.3.6",
     "catkin-pkg==1.1.1",
 ];
 

@@ -1,47 +1,87 @@
-//! Tells middlewares what components of this process log (ROS 2: `/rosout`).
+//! Tells middlewares what components of this process log, and how their tasks fare (ROS 2: `/rosout`,
+//! `/diagnostics`).
 
-use std::sync::Arc;
+use std::collections::HashMap;
+use std::sync::{Arc, Weak};
+use std::time::Duration;
 
-use genom_middleware::{LogEntry, LogLevel, Middleware};
+use genom_middleware::{Diagnosis, Health, LogEntry, LogLevel, Middleware};
 use genom_protocol::{Level, LogEntry as Kept};
+use genom_runtime::TaskStatistics;
 use genom_supervisor::Supervisor;
 use genom_supervisor::bus::{Heard, Listener};
 use serde::Deserialize as _;
 use tokio::runtime::Handle;
+use tokio::time::{MissedTickBehavior, interval};
 
 use crate::logs;
 
 /// Longest message that is told, in bytes; the rest is left out.
 const LONGEST: usize = 8 << 10;
 
-/// From now on, each middleware that takes the log gets it while it is open.
+/// How often it is told how tasks fare, as is usual on `/diagnostics`.
+const ROUND: Duration = Duration::from_secs(1);
+
+/// Whom to tell of what.
+#[derive(Clone)]
+struct Telling {
+    on: Weak<dyn Middleware>,
+    of: Weak<Supervisor>,
+}
+
+/// From now on, each middleware whose tools show it is told while it is open.
 pub fn tell_middlewares(supervisor: &Arc<Supervisor>) {
-    let (weak, runtime) = (Arc::downgrade(supervisor), Handle::current());
+    let (of, runtime) = (Arc::downgrade(supervisor), Handle::current());
     supervisor.backends.on_open(move |on: &Arc<dyn Middleware>| {
-        if !on.takes_log() {
+        if !on.takes_reports() {
             return;
         }
-        let (on, weak) = (Arc::downgrade(on), weak.clone());
-        // Those of cells arrive here, too, but each process tells its own.
-        let tell = move |kept: &Kept| {
-            let (Some(on), Some(supervisor)) = (on.upgrade(), weak.upgrade()) else { return false };
-            if let Some(name) = kept.component.as_deref()
-                && supervisor.components.get(name).is_some()
-            {
-                on.log(&entry(kept, name));
-            }
-            true
-        };
-        runtime.spawn(follow(logs::past().listen(None), tell));
+        let telling = Telling { on: Arc::downgrade(on), of: of.clone() };
+        runtime.spawn(telling.clone().log(logs::past().listen(None)));
+        runtime.spawn(telling.diagnose());
     });
 }
 
-/// Entries that this comes too late for are left out.
-async fn follow(mut listener: Listener, tell: impl Fn(&Kept) -> bool) {
-    while let Some(heard) = listener.next().await {
-        let Heard::Told(told) = heard else { continue };
-        if Kept::deserialize(&*told.data).is_ok_and(|kept| !tell(&kept)) {
-            return;
+impl Telling {
+    fn ends(&self) -> Option<(Arc<dyn Middleware>, Arc<Supervisor>)> {
+        self.on.upgrade().zip(self.of.upgrade())
+    }
+
+    /// Tells entries of the log. Those that this comes too late for are left out.
+    async fn log(self, mut listener: Listener) {
+        while let Some(heard) = listener.next().await {
+            let Some((on, supervisor)) = self.ends() else { return };
+            let Heard::Told(told) = heard else { continue };
+            let Ok(kept) = Kept::deserialize(&*told.data) else { continue };
+            // Those of cells arrive here, too, but each process tells its own.
+            if let Some(name) = kept.component.as_deref()
+                && supervisor.components.get(name).is_some()
+            {
+                on.log(&entry(&kept, name));
+            }
+        }
+    }
+
+    async fn diagnose(self) {
+        let mut rounds = interval(ROUND);
+        rounds.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        let mut missed = HashMap::new();
+        loop {
+            rounds.tick().await;
+            let Some((on, supervisor)) = self.ends() else { return };
+            let before = std::mem::take(&mut missed);
+            let mut told = Vec::new();
+            for hosted in supervisor.components.all() {
+                for task in hosted.figures().tasks {
+                    let key = (hosted.name.clone(), task.name.clone());
+                    let known = before.get(&key).copied().unwrap_or(task.overruns);
+                    told.push(diagnosis(&hosted.name, &task, task.overruns.saturating_sub(known)));
+                    missed.insert(key, task.overruns);
+                }
+            }
+            if !told.is_empty() {
+                on.diagnose(&told);
+            }
         }
     }
 }
@@ -68,8 +108,37 @@ fn entry(kept: &Kept, instance: &str) -> LogEntry {
     }
 }
 
+/// How a task fares that missed so many periods since it was told last.
+fn diagnosis(instance: &str, task: &TaskStatistics, missed: u64) -> Diagnosis {
+    let (health, message) = match (&task.stuck, missed) {
+        (Some(codel), _) => {
+            let seconds = Duration::from_nanos(codel.for_ns).as_secs_f64();
+            let told = format!("codel {} has not returned for {seconds:.1} s", codel.codel);
+            (Health::Stuck, told)
+        }
+        (None, 0) => (Health::Good, "in time".to_owned()),
+        (None, 1) => (Health::Late, "missed a period".to_owned()),
+        (None, missed) => (Health::Late, format!("missed {missed} periods")),
+    };
+    let microseconds = |ns: u64| (ns / 1000).to_string();
+    let values = [
+        ("missed periods", task.overruns.to_string()),
+        ("cycles", task.cycles.count.to_string()),
+        ("work, 99 %, us", microseconds(task.cycles.p99_ns)),
+        ("work, longest, us", microseconds(task.cycles.max_ns)),
+        ("lateness, 99 %, us", microseconds(task.lateness.p99_ns)),
+        ("lateness, longest, us", microseconds(task.lateness.max_ns)),
+        ("real-time priority", task.real_time.to_string()),
+    ];
+    let values = values.map(|(name, value)| (name.to_owned(), value)).to_vec();
+    let (instance, task) = (instance.to_owned(), task.name.clone());
+    Diagnosis { instance, task, health, message, values }
+}
+
 #[cfg(test)]
 mod tests {
+    use genom_runtime::Durations;
+
     use super::*;
 
     #[test]
@@ -84,5 +153,23 @@ mod tests {
         let told = entry(&kept, "demo");
         assert_eq!((told.time, told.level), (1_500_000_000, LogLevel::Debug));
         assert_eq!(told.message.len(), LONGEST);
+    }
+
+    #[test]
+    fn periods_missed_since_the_last_time_are_a_warning() {
+        let task = TaskStatistics {
+            name: "main".to_owned(),
+            period_ns: Some(1_000_000),
+            real_time: true,
+            cycles: Durations::default(),
+            lateness: Durations::default(),
+            overruns: 7,
+            stuck: None,
+            unpaused: None,
+        };
+        let told = |missed| diagnosis("demo", &task, missed);
+        assert_eq!((told(0).health, told(0).message.as_str()), (Health::Good, "in time"));
+        assert_eq!((told(2).health, told(2).message.as_str()), (Health::Late, "missed 2 periods"));
+        assert_eq!(told(0).values[0], ("missed periods".to_owned(), "7".to_owned()));
     }
 }

@@ -14,6 +14,7 @@
 pub mod address;
 pub mod backend;
 pub mod describe;
+pub mod diagnosis;
 pub mod discovery;
 pub mod error;
 pub mod log;
@@ -26,6 +27,7 @@ pub mod service;
 
 pub use address::Address;
 pub use backend::Backend;
+pub use diagnosis::{Diagnosis, Health};
 pub use discovery::{Discovery, Endpoint, EndpointKind, Obstacle, Stranger};
 pub use error::{CallError, DiscoverError, NoForeignName, OpenError, PublishError, ReadError};
 pub use log::{LogEntry, LogLevel};

@@ -10,8 +10,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Address, Client, DiscoverError, Discovery, Endpoint, LogEntry, NoForeignName, Obstacle,
-    OpenError, Ports, Relay, Served, ServiceHandler, ServiceType, Services, Stranger,
+    Address, Client, Diagnosis, DiscoverError, Discovery, Endpoint, LogEntry, NoForeignName,
+    Obstacle, OpenError, Ports, Relay, Served, ServiceHandler, ServiceType, Services, Stranger,
 };
 
 /// An open middleware. A daemon has one value of each, shared by all its components.
@@ -58,8 +58,8 @@ pub trait Middleware: Ports + Send + Sync {
         let _ = ours;
     }
 
-    /// Whether this middleware shows the log of components to its own tools.
-    fn takes_log(&self) -> bool {
+    /// Whether tools of this middleware show what components log and how their tasks fare.
+    fn takes_reports(&self) -> bool {
         false
     }
 
@@ -67,6 +67,12 @@ pub trait Middleware: Ports + Send + Sync {
     /// of the component is open here.
     fn log(&self, entry: &LogEntry) {
         let _ = entry;
+    }
+
+    /// Shows how tasks of components fare. Does not block; those of components that have no port or
+    /// service open here are left out.
+    fn diagnose(&self, tasks: &[Diagnosis]) {
+        let _ = tasks;
     }
 
     /// Harmful input from peers that was refused, counted by reason.

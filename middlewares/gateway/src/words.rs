@@ -7,9 +7,9 @@ use std::borrow::Cow;
 use std::time::Duration;
 
 use genom_middleware::{
-    ActivityId, Address, AnnounceError, AskError, CallError, Capabilities, DiscoverError, Endpoint,
-    LogEntry, NoForeignName, Obstacle, OpenError, Outcome, Policy, Quality, Refused, ServiceKind,
-    ServiceType, Stranger,
+    ActivityId, Address, AnnounceError, AskError, CallError, Capabilities, Diagnosis,
+    DiscoverError, Endpoint, LogEntry, NoForeignName, Obstacle, OpenError, Outcome, Policy,
+    Quality, Refused, ServiceKind, ServiceType, Stranger,
 };
 use genom_types::{DataType, Definition, DefinitionError, Record};
 use serde::{Deserialize, Serialize};
@@ -39,6 +39,8 @@ pub(crate) enum Up {
     Mask { ours: String, foreign: Option<String> },
     /// An entry of a component's log.
     Log(LogEntry),
+    /// How tasks of components fare.
+    Diagnose(Vec<Diagnosis>),
     /// A question; that of [`Question::Ask`] has a message behind it.
     Question { number: u64, question: Question },
 }
@@ -109,7 +111,7 @@ pub(crate) struct About {
     pub(crate) capabilities: Capabilities,
     pub(crate) discovers: bool,
     pub(crate) relays: bool,
-    pub(crate) takes_log: bool,
+    pub(crate) takes_reports: bool,
     pub(crate) meeting: Vec<(Cow<'static, str>, String)>,
     /// Identity of this end, of middlewares that relay.
     pub(crate) own: String,

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use genom_middleware::{
-    Address, Backend, Capabilities, Client, DiscoverError, Discovery, Endpoint, EndpointKind,
-    LogEntry, Middleware, NoForeignName, Obstacle, OpenError, Policy, PortSpec, Ports, Publisher,
-    Refused, Served, ServiceHandler, ServiceType, Services, Subscription,
+    Address, Backend, Capabilities, Client, Diagnosis, DiscoverError, Discovery, Endpoint,
+    EndpointKind, LogEntry, Middleware, NoForeignName, Obstacle, OpenError, Policy, PortSpec,
+    Ports, Publisher, Refused, Served, ServiceHandler, ServiceType, Services, Subscription,
 };
 
 use crate::dds::Dds;
+use crate::diagnostics::Diagnostics;
 use crate::error::{BACKEND, ParticipantError};
 use crate::options::{Options, Rmw as Carrier};
 use crate::rmw::Rmw;
@@ -20,8 +21,9 @@ use crate::zenoh::Zenoh;
 /// One participant of a domain, with one ROS node per component instance.
 #[derive(Clone)]
 pub struct Ros2 {
-    /// Dropped before what it writes with.
+    /// Dropped before what they write with.
     rosout: Arc<Rosout>,
+    diagnostics: Arc<Diagnostics>,
     ros: Arc<Ros>,
     services: Arc<ServiceEnds>,
 }
@@ -39,7 +41,7 @@ impl Ros2 {
         };
         let ros = Ros::new(rmw, options);
         let services = ServiceEnds::new(Arc::clone(&ros));
-        Ok(Arc::new(Self { rosout: Arc::default(), ros, services }))
+        Ok(Arc::new(Self { rosout: Arc::default(), diagnostics: Arc::default(), ros, services }))
     }
 
     /// Blocks the out port that was opened first from sending until the result is dropped, so that
@@ -104,12 +106,16 @@ impl Middleware for Ros2 {
         self.ros.masquerades.remove(ours);
     }
 
-    fn takes_log(&self) -> bool {
+    fn takes_reports(&self) -> bool {
         true
     }
 
     fn log(&self, entry: &LogEntry) {
         self.rosout.put(&self.ros, entry);
+    }
+
+    fn diagnose(&self, tasks: &[Diagnosis]) {
+        self.diagnostics.put(&self.ros, tasks);
     }
 
     fn refused(&self) -> Vec<Refused> {

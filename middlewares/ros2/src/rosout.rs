@@ -1,39 +1,19 @@
 //! `/rosout`, on which ROS nodes log: the entries of components that are nodes here.
 //!
-//! One writer of the process serves all its nodes; the entry says which one logged it, by the name
-//! that rcl gives the node's logger (`lab.arm.demo`). Late readers get the latest entry.
-
-use std::sync::{Arc, OnceLock};
+//! An entry says which of them logged it by the name that rcl gives the node's logger
+//! (`lab.arm.demo`). Late readers get the latest entry.
 
 use genom_middleware::{LogEntry, LogLevel};
 use ros2_client::Log;
 use ros2_client::builtin_interfaces::Time;
 
-use crate::names::{self, TypeName};
-use crate::rmw::{EndError, Named, TopicWriter};
+use crate::names;
+use crate::own_topic::OwnTopic;
 use crate::ros::Ros;
-use crate::typed;
 
-/// The writer, once there was an entry.
+/// The topic.
 #[derive(Default)]
-pub(crate) struct Rosout(OnceLock<Option<Writer>>);
-
-struct Writer {
-    writer: Arc<dyn TopicWriter>,
-    _belonging: Box<dyn Send + Sync>,
-}
-
-impl Writer {
-    fn open(ros: &Ros) -> Result<Self, EndError> {
-        let ty = TypeName::new("rcl_interfaces", "msg", "Log");
-        let hash = ros.masquerades.hash_of_foreign(&ty);
-        let of = Named { name: "rosout".to_owned(), ty, hash };
-        let node = names::own_node();
-        let writer = ros.rmw.writer(&node, &of, true)?;
-        let belonging = ros.rmw.belong(&node, writer.entities());
-        Ok(Self { writer, _belonging: belonging })
-    }
-}
+pub(crate) struct Rosout(OwnTopic);
 
 impl Rosout {
     /// Publishes an entry of a component that is a node here.
@@ -42,14 +22,6 @@ impl Rosout {
         if !ros.rmw.has_node(&node) {
             return;
         }
-        let open = || match Writer::open(ros) {
-            Ok(writer) => Some(writer),
-            Err(why) => {
-                tracing::warn!("components do not log on /rosout: {why}");
-                None
-            }
-        };
-        let Some(Writer { writer, .. }) = self.0.get_or_init(open) else { return };
         let parts = ros.options.namespace.split('/').filter(|part| !part.is_empty());
         let log = Log {
             stamp: Time::from_nanos(entry.time),
@@ -65,6 +37,6 @@ impl Rosout {
             function: entry.place.clone(),
             line: 0,
         };
-        typed::encode(&log).into_iter().for_each(|body| writer.send(None, body));
+        self.0.put(ros, ("rosout", "rcl_interfaces", "Log"), true, &log);
     }
 }

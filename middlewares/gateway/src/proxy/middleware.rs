@@ -3,7 +3,8 @@
 use std::borrow::Cow;
 
 use genom_middleware::{
-    Capabilities, Discovery, LogEntry, Middleware, NoForeignName, Refused, Relay, Services,
+    Capabilities, Diagnosis, Discovery, LogEntry, Middleware, NoForeignName, Refused, Relay,
+    Services,
 };
 
 use super::core::Proxy;
@@ -59,13 +60,17 @@ impl Middleware for Proxy {
         let _ = self.shared().say(&up, &[]);
     }
 
-    fn takes_log(&self) -> bool {
-        self.shared().about(|about| about.takes_log).unwrap_or(false)
+    fn takes_reports(&self) -> bool {
+        self.shared().about(|about| about.takes_reports).unwrap_or(false)
     }
 
     fn log(&self, entry: &LogEntry) {
         // Where there is no gateway now, its nodes are gone, too.
         let _ = self.shared().say(&Up::Log(entry.clone()), &[]);
+    }
+
+    fn diagnose(&self, tasks: &[Diagnosis]) {
+        let _ = self.shared().say(&Up::Diagnose(tasks.to_vec()), &[]);
     }
 
     fn refused(&self) -> Vec<Refused> {

@@ -134,6 +134,7 @@ impl Guest {
                 None => self.middleware.unmask(&ours),
             },
             Up::Log(entry) => self.middleware.log(&entry),
+            Up::Diagnose(tasks) => self.middleware.diagnose(&tasks),
             Up::Question { number, question } => {
                 let payload = payload.to_vec();
                 self.apart(move |guest| {
@@ -165,7 +166,7 @@ fn about(middleware: &dyn Middleware) -> About {
         capabilities: middleware.capabilities(),
         discovers: middleware.discovery().is_some(),
         relays: middleware.relay().is_some(),
-        takes_log: middleware.takes_log(),
+        takes_reports: middleware.takes_reports(),
         meeting: middleware.meeting_point(),
         own: middleware.relay().map(|relay| relay.own()).unwrap_or_default(),
         spelled: middleware.spelled(&Address::new("a", "b")),

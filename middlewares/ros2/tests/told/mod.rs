@@ -35,7 +35,7 @@ fn what_a_component_logs_and_which_of_its_parameters_are_set_reaches_a_node() {
         place: "here".to_owned(),
         message: message.to_owned(),
     };
-    assert!(ros2.takes_log());
+    assert!(ros2.takes_reports());
     ros2.log(&entry("demo", "hot"));
     // A component on another middleware: nobody hears of it here.
     ros2.log(&entry("elsewhere", "cold"));

@@ -79,7 +79,7 @@ fn a_ros_node_reads_calls_and_sets_the_demo() {
 }
 
 #[test]
-fn what_the_demo_logs_and_which_of_its_parameters_are_set_is_told_to_all_nodes() {
+fn what_the_demo_logs_how_its_task_fares_and_which_parameters_are_set_is_told_to_all_nodes() {
     let World { daemon, mut peer, namespace } = World::new();
     let node = format!("{namespace}/demo");
     // As rqt_console reads it: whoever comes late gets the latest entry.
@@ -93,6 +93,14 @@ fn what_the_demo_logs_and_which_of_its_parameters_are_set_is_told_to_all_nodes()
     assert_eq!(entry["name"], format!("{}.demo", namespace.trim_start_matches('/')));
     daemon.ctl(&["reload", "demo"]).expect_code(0);
     while !peer.ask(&json!(["sample", "/rosout"]))["msg"].as_str().unwrap().starts_with("runs /") {}
+
+    peer.ask(&json!(["read", "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray"]));
+    let told = peer.ask(&json!(["sample", "/diagnostics"]));
+    let status = &told["status"][0];
+    assert_eq!(status["name"], "demo: main");
+    // 0 OK, 1 WARN: this machine may have made it miss a period.
+    assert!(status["level"].as_u64().unwrap() < 2, "{status}");
+    assert_eq!(status["values"][0]["key"], "missed periods");
 
     // The node that listens is a publisher, too.
     peer.ask(&json!(["read", "/parameter_events", "rcl_interfaces/msg/ParameterEvent", 2]));

@@ -176,6 +176,31 @@ fn whatever_a_value_contains_is_shown_as_text() {
 }
 
 #[test]
+fn a_name_of_a_megabyte_is_cut_wherever_the_graph_shows_it() {
+    let daemon = demo(Home::new(), &[]);
+    let browser = signed_in(&daemon, "read,wire");
+    // No name of the daemon's own is as long, and middlewares refuse most of those of others.
+    browser.ask(
+        "const parse = JSON.parse, long = JSON.stringify('demo/' + '<b>\u{202e}'.repeat(250000)); \
+         JSON.parse = (text, ...more) => parse(text.replaceAll('\"demo/position\"', long), ...more)",
+    );
+    browser.click("a[href='/graph']");
+    browser.until(
+        "it is drawn",
+        "[...document.querySelectorAll('.port')].some((one) => one.textContent.includes('<b>'))",
+    );
+    browser.click_right(".port.out .end");
+    browser.until("its menu is open", "document.getElementById('menu')");
+    let longest = browser.ask(
+        "return Math.max(...[...document.querySelectorAll('main *, #menu *')].flatMap((one) => \
+         [one.children.length ? 0 : one.textContent.length, one.getAttribute('aria-label')?.length ?? 0]))",
+    );
+    // Cut at 2,000 characters, each of which may be spelled with eight.
+    assert!(longest.as_u64().unwrap() < 20_000, "{longest}");
+    assert_eq!(browser.ask("return document.querySelectorAll('b').length"), json!(0));
+}
+
+#[test]
 fn the_log_and_events_are_told_as_they_happen_and_filtered() {
     let daemon = demo(Home::new(), &[]);
     let browser = signed_in(&daemon, "read");

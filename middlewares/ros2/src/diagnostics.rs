@@ -1,0 +1,67 @@
+//! `/diagnostics`, as aggregators and rqt_runtime_monitor read it: a status for each task of the
+//! components that are nodes here, `NODE: TASK`.
+
+use genom_middleware::{Diagnosis, Health};
+use ros2_client::builtin_interfaces::Time;
+use serde::Serialize;
+
+use crate::names;
+use crate::own_topic::OwnTopic;
+use crate::ros::Ros;
+
+/// Levels of `diagnostic_msgs/msg/DiagnosticStatus`.
+const OK: u8 = 0;
+const WARN: u8 = 1;
+const ERROR: u8 = 2;
+
+/// The topic.
+#[derive(Default)]
+pub(crate) struct Diagnostics(OwnTopic);
+
+/// `diagnostic_msgs/msg/DiagnosticArray`, with its header.
+#[derive(Serialize)]
+struct DiagnosticArray<'a> {
+    stamp: Time,
+    frame_id: &'a str,
+    status: Vec<DiagnosticStatus<'a>>,
+}
+
+/// `diagnostic_msgs/msg/DiagnosticStatus`. A `KeyValue` is two strings.
+#[derive(Serialize)]
+struct DiagnosticStatus<'a> {
+    level: u8,
+    name: String,
+    message: &'a str,
+    hardware_id: &'a str,
+    values: &'a [(String, String)],
+}
+
+impl Diagnostics {
+    /// Publishes how tasks of components fare that are nodes here.
+    pub(crate) fn put(&self, ros: &Ros, all: &[Diagnosis]) {
+        let of_node = all.iter().filter_map(|one| {
+            let node = names::token(&one.instance);
+            ros.rmw.has_node(&node).then(|| status(&node, one))
+        });
+        let status: Vec<_> = of_node.collect();
+        if status.is_empty() {
+            return;
+        }
+        let message = DiagnosticArray { stamp: Time::now(), frame_id: "", status };
+        self.0.put(ros, ("diagnostics", "diagnostic_msgs", "DiagnosticArray"), false, &message);
+    }
+}
+
+fn status<'a>(node: &str, one: &'a Diagnosis) -> DiagnosticStatus<'a> {
+    DiagnosticStatus {
+        level: match one.health {
+            Health::Good => OK,
+            Health::Late => WARN,
+            Health::Stuck => ERROR,
+        },
+        name: format!("{node}: {}", one.task),
+        message: &one.message,
+        hardware_id: "",
+        values: &one.values,
+    }
+}
