@@ -1,7 +1,7 @@
 //! Shutdown (genom3.md 7.7).
 
-use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
+use std::sync::{Mutex, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
 use genom_description::model::{Ix as _, TaskIx};
@@ -73,10 +73,14 @@ impl Engine {
         Err(error)
     }
 
-    /// Whether the shutdown is complete: no codel runs, and none will.
+    /// Whether the shutdown is complete: no codel runs, and none will. On a virtual clock the thread
+    /// that steps it may still be in one.
     pub(crate) fn is_over(&self) -> bool {
+        let free = |tasks: &Mutex<_>| !matches!(tasks.try_lock(), Err(TryLockError::WouldBlock));
         let control = self.lock();
-        control.phase == Phase::Stopped && control.alive == 0
+        control.phase == Phase::Stopped
+            && control.alive == 0
+            && self.driven.as_ref().is_none_or(free)
     }
 
     /// Takes the steps of a shutdown that are possible now. Called by the control thread, which

@@ -313,8 +313,10 @@ fn a_clock_whose_step_does_not_return_does_not_hang_a_shutdown() {
     until("the codel is stuck", || instance.stuck().is_some());
     let error = instance.shutdown(Duration::from_millis(50)).unwrap_err();
     assert_eq!(error.codels[0].codel, "hang");
+    assert!(!instance.is_over(), "the thread that steps is still in its codel");
     drop(keeper);
     stepping.join().unwrap();
+    assert!(instance.is_over());
 }
 
 #[test]
