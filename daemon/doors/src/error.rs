@@ -57,6 +57,11 @@ impl RpcError {
         Self { status, reason }
     }
 
+    /// The body of the response.
+    pub fn refusal(self) -> Refusal {
+        Refusal { error: self.reason }
+    }
+
     /// Status of the response.
     pub fn status(&self) -> StatusCode {
         self.status
@@ -92,6 +97,6 @@ impl RpcError {
 
 impl IntoResponse for RpcError {
     fn into_response(self) -> Response {
-        (self.status, Json(Refusal { error: self.reason })).into_response()
+        (self.status, Json(self.refusal())).into_response()
     }
 }

@@ -62,6 +62,9 @@ pub(crate) struct Cli {
     /// Run as this cell of the daemon that wrote the configuration.
     #[arg(long, value_name = "CELL", hide = true, requires = "config")]
     pub(crate) run_cell: Option<String>,
+    /// Run as a part of the program that has the other end of the standard input, a socket.
+    #[arg(long, hide = true, conflicts_with_all = ["check", "dump_sources", "run_cell"])]
+    pub(crate) embedded: bool,
     /// Directory to search for components; may be repeated, takes precedence over GENOM_PATH.
     #[arg(long, value_name = "DIRECTORY", value_hint = ValueHint::DirPath)]
     pub(crate) path: Vec<PathBuf>,

@@ -27,6 +27,7 @@ use crate::cli::Cli;
 use crate::run::Refusal;
 use crate::settings::Settings;
 use genom_cells::OwnCell;
+use genom_embedding::Program;
 use genom_systemd::Invitation;
 use genom_telemetry::logs;
 
@@ -93,8 +94,10 @@ fn settings(cli: Cli, invitation: Invitation) -> Result<Settings, Refusal> {
     // First of all: limits hold for what comes after.
     let limit = |file: &PathBuf| genom_cells::own::limit(file, &config);
     let missing = cell_file.as_ref().map(limit).transpose().map_err(Refusal::usage)?;
+    let program = cli.embedded.then(Program::take).transpose().map_err(Refusal::usage)?;
     let mut settings = Settings::new(cli, config).map_err(Refusal::usage)?;
     settings.invitation = invitation;
+    settings.program = program;
     if let Some(file) = &cell_file {
         let own = OwnCell::new(file).map_err(Refusal::usage)?;
         settings.lease = Some(genom_cells::own::take_lease().map_err(Refusal::own)?);

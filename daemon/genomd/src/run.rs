@@ -11,6 +11,7 @@ use genom_configuration::{ConnectionEntry, LoadRequest, RpcSettings, Spot};
 use genom_doors::{
     Certificates, Desk, Door, Entrance, Listener, Log, Most, Socket, Tokens, acceptor, serve,
 };
+use genom_embedding::Program;
 use genom_foxglove::Foxglove;
 use genom_host::{KeptProcess, keep_from_children, keep_off};
 use genom_middleware::Middleware;
@@ -143,6 +144,9 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
         }
         None => announce(&daemon, &tokens, Arc::clone(&log)),
     }
+    if let Some(program) = &settings.program {
+        program.watch(supervisor).map_err(Refusal::own)?;
+    }
     if daemon.own_cell.is_none() {
         daemon.cells.start_gateways().map_err(Refusal::own)?;
     }
@@ -242,6 +246,10 @@ async fn work(daemon: &Daemon, settings: &Settings) -> Result<(), Refusal> {
                 let ready = format!("ready on {}", daemon.rpc.socket.display());
                 tracing::info!("{ready}");
                 daemon.manager.ready(&ready);
+                let serve = |by: &Program| by.serve(supervisor, &daemon.cells, Handle::current());
+                if let Some(Err(error)) = settings.program.as_ref().map(serve) {
+                    supervisor.ask_to_stop(&format!("its program cannot be served: {error}"));
+                }
                 daemon.boxes.tell_unmatched(supervisor, daemon.cells.all()).await;
             }
             tokio::select! {

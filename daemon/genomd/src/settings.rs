@@ -7,6 +7,7 @@ use genom_configuration::{
     CellSettings, Config, Deployment, LoadRequest, MOST_ACTIVITIES, MemoryCheck, RpcSettings,
     UsageError, levels,
 };
+use genom_embedding::Program;
 use genom_gateway::Reach;
 use genom_registry::Gateways;
 use genom_supervisor::settings::Settings as Supervised;
@@ -49,6 +50,8 @@ pub(crate) struct Settings {
     pub(crate) invitation: Invitation,
     /// Of a cell: what its daemon lent it.
     pub(crate) lease: Option<Lease>,
+    /// The program that it is a part of, if it is.
+    pub(crate) program: Option<Program>,
 }
 
 impl Settings {
@@ -116,6 +119,7 @@ impl Settings {
             own_cell: None,
             invitation: Invitation::default(),
             lease: None,
+            program: None,
             supervisor: supervised,
             config,
         })

@@ -16,6 +16,7 @@ pub mod layout;
 mod named;
 mod picture;
 mod plots;
+mod refused;
 mod timeline;
 mod together;
 mod values;
@@ -34,6 +35,7 @@ pub use named::{find, find_port, key};
 #[doc(hidden)]
 pub use plots::__path_plots;
 pub use plots::plots;
+pub use refused::{held_up, not_published};
 #[doc(hidden)]
 pub use timeline::__path_timeline;
 pub use timeline::timeline;

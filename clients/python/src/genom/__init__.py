@@ -19,6 +19,7 @@ from ._ends import Publisher, Subscription
 from .activity import Activity, Status
 from .client import Client, connect, update
 from .component import Component
+from .embedded import Daemon
 from .errors import DaemonError, GenoMError, InputError, RefusalError
 from .events import EventStream
 from .port import Port, Reading
@@ -28,6 +29,7 @@ __all__ = [
     "Activity",
     "Client",
     "Component",
+    "Daemon",
     "DaemonError",
     "EventStream",
     "GenoMError",

@@ -9,8 +9,8 @@ use genom_doors::{Body, RpcError};
 use genom_protocol::{Code, MoveRequest, Moved};
 use genom_supervisor::Supervisor;
 use genom_supervisor::connections::BindError;
+use genom_views::held_up;
 
-use crate::rpc::held_up::held_up;
 use crate::rpc::{components, ports};
 
 /// Move a running component, or one of its ports, to other middlewares.

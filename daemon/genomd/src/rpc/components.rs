@@ -19,10 +19,10 @@ use genom_supervisor::components::{Hosted, UnloadError};
 use genom_supervisor::loading::LoadError;
 use genom_supervisor::reloading::ReloadError;
 pub(super) use genom_views::find;
+use genom_views::held_up;
 use serde_json::Value;
 
 use crate::daemon::Daemon;
-use crate::rpc::held_up::held_up;
 use crate::rpc::{cells, codels};
 use genom_cells::own as own_cell;
 use genom_supervisor::bus::startup::Startup;

@@ -15,9 +15,9 @@ use genom_protocol::{
 use genom_supervisor::Supervisor;
 use genom_supervisor::connections::{self, ConnectError, Patience};
 use genom_supervisor::ties::Connection;
+use genom_views::held_up;
 
 use crate::rpc;
-use crate::rpc::held_up::held_up;
 use crate::rpc::{components, ports};
 
 /// List the connections.

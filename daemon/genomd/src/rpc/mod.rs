@@ -22,7 +22,6 @@ mod deployment;
 mod document;
 mod events;
 mod freeze;
-mod held_up;
 mod kept;
 mod logs;
 mod metrics;

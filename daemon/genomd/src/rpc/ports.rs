@@ -4,11 +4,9 @@ use std::sync::Arc;
 
 use axum::Json;
 use axum::extract::{Path, State};
-use axum::http::StatusCode;
 use genom_cells::Cells;
 use genom_description::model;
 use genom_doors::{Body, Parameters, RpcError};
-use genom_middleware::OpenError;
 use genom_ports::PortKey;
 use genom_protocol::{
     Code, Port, PortDirection, PortParameters, PortTraffic, PortType, Ports, Published,
@@ -18,12 +16,11 @@ use genom_supervisor::Supervisor;
 use genom_supervisor::components::Hosted;
 use genom_supervisor::connections::feed::FeedError;
 use genom_types::Record;
-use genom_views::layout;
 pub(super) use genom_views::{find_port as find, key};
+use genom_views::{layout, not_published};
 use serde_json::Value;
 
 use crate::rpc::components;
-use crate::rpc::held_up::held_up;
 
 /// List the ports of all components.
 #[utoipa::path(
@@ -113,23 +110,6 @@ pub(crate) async fn publish(
         Ok(Ok(value)) => Ok(Json(Published { address, value })),
         Ok(Err(error)) => Err(not_published(&error)),
         Err(error) => Err(RpcError::internal(error.to_string())),
-    }
-}
-
-pub(super) fn not_published(error: &FeedError) -> RpcError {
-    let message = error.to_string();
-    match error {
-        FeedError::OutPort(_) => RpcError::conflict(Code::OutPort, message),
-        FeedError::Connected { inport, .. } => RpcError::conflict(Code::Connected, message)
-            .help(format!("`genomctl disconnect {inport}` first, to feed it from here")),
-        FeedError::HeldUp(error) => held_up(error),
-        FeedError::Value(error) => RpcError::bad_input(message).inside(&error.path),
-        FeedError::Message(_) => RpcError::bad_input(message),
-        FeedError::Open(OpenError::Taken { .. }) => RpcError::conflict(Code::Taken, message)
-            .help("another program publishes there: stop it first"),
-        FeedError::Backend(_) | FeedError::Open(_) | FeedError::Publish { .. } => {
-            RpcError::new(StatusCode::BAD_GATEWAY, Code::MiddlewareFailed, message)
-        }
     }
 }
 

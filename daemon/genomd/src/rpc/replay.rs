@@ -104,5 +104,5 @@ fn one(supervisor: &Supervisor, inport: &str, message: &[u8]) -> Result<(), RpcE
     let key = ports::key(&hosted, &port, element)?;
     let fill = |value: &mut genom_types::Record| Ok::<_, FeedError>(value.decode_message(message)?);
     let fed = supervisor.connections.feed(&hosted, &key, fill, |_| ());
-    fed.map_err(|error| ports::not_published(&error).place(inport))
+    fed.map_err(|error| genom_views::not_published(&error).place(inport))
 }

@@ -13,10 +13,10 @@ use genom_protocol::{
 };
 use genom_supervisor::Supervisor;
 use genom_supervisor::components::{Answer, Hosted, InputError, Rest};
+use genom_views::held_up;
 use serde_json::Value;
 
 use crate::rpc::components;
-use crate::rpc::held_up::held_up;
 
 fn find(hosted: &Hosted, service: &str) -> Result<ServiceIx, RpcError> {
     let services = &hosted.model().services;

@@ -9,7 +9,7 @@ use genom_middleware::{OpenError, Policy, PortSpec, PublishError};
 use genom_ports::{Feed, PortKey};
 use genom_registry::BackendError;
 use genom_runtime::HeldUp;
-use genom_types::{CdrError, JsonError, Record};
+use genom_types::{BytesError, CdrError, JsonError, Record};
 
 use super::core::Connections;
 use super::port::{AttachError, Source};
@@ -32,6 +32,9 @@ pub enum FeedError {
     /// The CDR message is not a value of the port's type.
     #[error(transparent)]
     Message(#[from] CdrError),
+    /// The bytes are not a value of the port's type.
+    #[error(transparent)]
+    Bytes(#[from] BytesError),
     /// There is no such middleware.
     #[error(transparent)]
     Backend(#[from] BackendError),

@@ -1,5 +1,6 @@
 //! Components with codels in Python: what they may do, and what they are told.
 
+mod embedded;
 mod ends;
 mod errors;
 mod made;

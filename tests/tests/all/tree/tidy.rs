@@ -46,6 +46,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-comparison", &["genom-apart", "genom-drawing", "genom-protocol"]),
     ("genom-stage", &["genom-description", "genom-middleware", "genom-runtime", "genom-types"]),
     ("genom-archive", ARCHIVE),
+    ("genom-embedding", EMBEDDING),
     ("genom-doctor", &["genom-protocol"]),
     ("genom-scenario", &["genom-apart", "genom-nearest", "genom-protocol", "genom-stage"]),
     ("genom-ports", PORTS),
@@ -110,6 +111,18 @@ const VIEWS: &[&str] = &[
 ];
 const ARCHIVE: &[&str] =
     &["genom-cells", "genom-doors", "genom-protocol", "genom-recording", "genom-supervisor"];
+const EMBEDDING: &[&str] = &[
+    "genom-cells",
+    "genom-description",
+    "genom-doors",
+    "genom-host",
+    "genom-ports",
+    "genom-protocol",
+    "genom-runtime",
+    "genom-supervisor",
+    "genom-types",
+    "genom-views",
+];
 const CELLS: &[&str] = &[
     "genom-blackbox",
     "genom-configuration",

@@ -1,0 +1,94 @@
+//! Memory of a port, which the program maps: a file that nobody else can open, of a size that nobody
+//! can change.
+//!
+//! It begins with `u64` how often the value was written (by the program to an in port, by codels to an
+//! out port) and `u32` whether the port is gone; the value is at [`VALUE_AT`], in C layout. The daemon
+//! reads and writes the file rather than mapping it: whatever the program does there meanwhile, it gets
+//! bytes that it checks.
+
+use std::fs::File;
+use std::io;
+use std::os::fd::{AsFd, BorrowedFd};
+use std::os::unix::fs::FileExt as _;
+
+use rustix::fs::{MemfdFlags, SealFlags, fcntl_add_seals, ftruncate, memfd_create};
+use rustix::io::Errno;
+
+/// Where the value is. A multiple of every alignment.
+pub(crate) const VALUE_AT: u64 = 64;
+
+/// Where it is said that the port is gone.
+const GONE_AT: u64 = 8;
+
+/// Name of the file, as `/proc/PID/maps` shows it.
+const NAME: &str = "genom-port";
+
+#[derive(Debug)]
+pub(crate) struct Memory {
+    file: File,
+}
+
+impl Memory {
+    /// Memory for a value of so many bytes, all zero.
+    pub(crate) fn new(size: usize) -> io::Result<Self> {
+        let flags = MemfdFlags::CLOEXEC | MemfdFlags::ALLOW_SEALING;
+        // Nothing in it is to be executed; kernels before 6.3 cannot be told so.
+        let file = match memfd_create(NAME, flags | MemfdFlags::NOEXEC_SEAL) {
+            Err(Errno::INVAL) => memfd_create(NAME, flags)?,
+            made => made?,
+        };
+        ftruncate(&file, VALUE_AT + size as u64)?;
+        fcntl_add_seals(&file, SealFlags::SHRINK | SealFlags::GROW | SealFlags::SEAL)?;
+        Ok(Self { file: File::from(file) })
+    }
+
+    /// How often the value was written.
+    pub(crate) fn written(&self) -> io::Result<u64> {
+        let mut count = [0; 8];
+        self.file.read_exact_at(&mut count, 0)?;
+        Ok(u64::from_ne_bytes(count))
+    }
+
+    /// Gets the value.
+    pub(crate) fn read(&self, value: &mut [u8]) -> io::Result<()> {
+        self.file.read_exact_at(value, VALUE_AT)
+    }
+
+    /// Sets the value.
+    pub(crate) fn write(&self, value: &[u8]) -> io::Result<()> {
+        self.file.write_all_at(value, VALUE_AT)
+    }
+
+    /// Says how often the value was written.
+    pub(crate) fn set_written(&self, count: u64) -> io::Result<()> {
+        self.file.write_all_at(&count.to_ne_bytes(), 0)
+    }
+
+    /// Says whether the port is gone.
+    pub(crate) fn set_gone(&self, gone: bool) -> io::Result<()> {
+        self.file.write_all_at(&u32::from(gone).to_ne_bytes(), GONE_AT)
+    }
+}
+
+impl AsFd for Memory {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.file.as_fd()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_one_end_writes_the_other_reads_and_none_changes_the_size() {
+        let memory = Memory::new(4).unwrap();
+        let theirs = File::from(memory.as_fd().try_clone_to_owned().unwrap());
+        theirs.write_all_at(&3_u64.to_ne_bytes(), 0).unwrap();
+        theirs.write_all_at(b"abcd", VALUE_AT).unwrap();
+        let mut value = [0; 4];
+        memory.read(&mut value).unwrap();
+        assert_eq!((memory.written().unwrap(), &value), (3, b"abcd"));
+        assert!(theirs.set_len(1).is_err() && theirs.set_len(4096).is_err());
+    }
+}

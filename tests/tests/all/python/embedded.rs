@@ -1,0 +1,71 @@
+//! A daemon that is a part of a program in Python, which steps it: `genom.Daemon`.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use genom_components::python;
+use genom_tests::{Running, WATCHDOG, component, fixture, path, program, repository};
+
+/// Runs tests of the client (`clients/python/tests`).
+#[track_caller]
+fn the_client_passes(tests: &str, interpreter: &Path, options: &[&str]) {
+    let fixtures = tempfile::tempdir().unwrap();
+    let _ = fixture("sights", "sights", fixtures.path());
+    let _ = fixture("texts", "texts", fixtures.path());
+    let [demo, mission, blocks] = ["demo", "mission", "blocks"].map(component);
+    let package = repository().join("clients/python");
+    let mut command = Command::new(interpreter);
+    command
+        .current_dir(&package)
+        .env_clear()
+        .env("PATH", std::env::var_os("PATH").unwrap_or_default())
+        .env("PYTHONPATH", package.join("src"))
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env("TMPDIR", fixtures.path())
+        .env("XDG_STATE_HOME", fixtures.path().join("state"))
+        .env("GENOMD", program("genomd"))
+        .env("GENOM_DEMO", path(&demo.library))
+        .env("GENOM_MISSION", path(&mission.library))
+        .env("GENOM_BLOCKS", path(&blocks.library))
+        .env("GENOM_FIXTURES", fixtures.path())
+        // An unclosed socket or a forgotten process is an error, too.
+        .args(["-W", "error"])
+        .args(options)
+        .args(["-m", "unittest", "--verbose", tests]);
+    // Each test in Python has a watchdog of its own.
+    let finished = Running::start(&mut command).finish_within(5 * WATCHDOG);
+    finished.expect_code(0);
+    assert!(!finished.err.contains("Ran 0 tests"), "{}", finished.err);
+    assert!(!finished.err.contains("skipped"), "{}", finished.err);
+}
+
+fn plain() -> PathBuf {
+    std::env::var_os("PYTHON").unwrap_or("python3".into()).into()
+}
+
+/// `-S`: without installed packages, so that only the standard library is available.
+#[test]
+fn a_program_steps_its_daemon_with_the_standard_library_alone() {
+    the_client_passes("tests.test_embedded", &plain(), &["-S"]);
+}
+
+#[test]
+fn five_hundred_ports_of_an_embedded_daemon_take_a_file_each_and_give_it_back() {
+    the_client_passes("tests.test_embedded_files", &plain(), &["-S"]);
+}
+
+#[test]
+fn a_program_steps_its_daemon_and_has_ports_as_numpy_arrays() {
+    let python = python::environment(&["numpy==2.4.6"]).unwrap_or_else(|error| panic!("{error}"));
+    the_client_passes("tests.test_embedded", &python, &[]);
+}
+
+#[test]
+fn only_a_program_with_the_other_end_of_a_socket_embeds_a_daemon() {
+    let scratch = tempfile::tempdir().unwrap();
+    let mut command = Command::new(program("genomd"));
+    command.arg("--embedded").arg("--socket").arg(scratch.path().join("genomd.sock"));
+    command.stdin(Stdio::null());
+    let refused = Running::start(&mut command).finish();
+    refused.expect_code(2).expect_err("one end of a pair of sockets").expect_err("genom.Daemon");
+}
