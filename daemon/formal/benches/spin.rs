@@ -7,6 +7,8 @@
 mod compare;
 #[path = "../tests/conformance/components.rs"]
 mod components;
+#[path = "../tests/spin/formulas.rs"]
+mod formulas;
 #[path = "../tests/conformance/random.rs"]
 mod random;
 #[path = "../tests/spin/run.rs"]
@@ -35,4 +37,14 @@ fn main() {
     }
     println!("{components} components, {verdicts} verdicts and {states} states: no difference");
     println!("left out, since they have more states: {large}");
+    let mut all = formulas::Judged::default();
+    for judged in (*first..).filter_map(|seed| formulas::judge(seed, 5_000)) {
+        all.add(judged);
+        if (all.never.1 + all.comes.1) as u64 * 5 >= *wanted {
+            break;
+        }
+    }
+    let of = |(hold, all): (usize, usize)| format!("{all}, of which {hold} hold");
+    println!("formulas that something never is: {}", of(all.never));
+    println!("formulas that something comes: {}; no difference", of(all.comes));
 }

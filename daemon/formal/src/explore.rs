@@ -156,7 +156,8 @@ impl Explored {
 
 impl Limits {
     /// Limits of a first look, in which what is small is seen as a whole.
-    pub(crate) fn first(&self) -> Self {
+    #[must_use]
+    pub fn first(&self) -> Self {
         let time = self.time.min(Duration::from_secs(2));
         Self { states: self.states.min(100_000), time, ..*self }
     }

@@ -20,8 +20,8 @@ pub struct Found {
 pub enum Ticks {
     /// Nobody asked.
     Unasked,
-    /// They were not looked at, for this reason.
-    Unknown(String),
+    /// They were not looked at: the property that was asked for, and the reason.
+    Unknown(&'static str, String),
     /// They were looked at.
     Seen(Box<TimedReport>),
 }

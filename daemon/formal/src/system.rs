@@ -96,6 +96,12 @@ impl System {
         &self.plan
     }
 
+    /// What clients may ask for.
+    #[must_use]
+    pub fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
+
     /// Ticks of each task; `None` for an aperiodic one.
     #[must_use]
     pub fn periods(&self) -> &[Option<Period>] {

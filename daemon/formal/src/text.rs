@@ -17,8 +17,10 @@ const LAST: usize = 20;
 pub fn text(found: &Found, sources: &SourceMap) -> String {
     let mut text = format!("component {}\n", found.system.plan().component().name);
     let report = &found.report;
-    for (property, verdict) in &report.verdicts {
-        let name = property.name();
+    let properties = report.verdicts.iter().map(|(property, one)| (property.name().into(), one));
+    let formulas = report.formulas.iter().map(|(formula, one)| (format!("ltl {formula}  "), one));
+    for (name, verdict) in properties.chain(formulas) {
+        let name: &str = &name;
         match verdict {
             Verdict::Holds => line(&mut text, name, "holds"),
             Verdict::Undecided(why) => line(&mut text, name, &format!("not decided: {why}")),
@@ -30,7 +32,7 @@ pub fn text(found: &Found, sources: &SourceMap) -> String {
     }
     match &found.ticks {
         Ticks::Unasked => {}
-        Ticks::Unknown(why) => line(&mut text, "overrun", &format!("not decided: {why}")),
+        Ticks::Unknown(name, why) => line(&mut text, name, &format!("not decided: {why}")),
         Ticks::Seen(times) => {
             let limit = times.limit().map(|limit| limit.to_string());
             times.tasks.iter().for_each(|one| task(&mut text, one, limit.as_deref(), sources));
@@ -40,7 +42,9 @@ pub fn text(found: &Found, sources: &SourceMap) -> String {
     if let Some(explored) = &found.report.explored {
         let _ = writeln!(text, "{} states, {} steps", explored.len(), explored.steps);
     }
-    if let Ticks::Seen(times) = &found.ticks {
+    if let Ticks::Seen(times) = &found.ticks
+        && !times.tasks.is_empty()
+    {
         let (states, zones) = (times.explored.states(), times.explored.zones());
         let _ = writeln!(text, "with times: {states} states, {zones} zones");
     }

@@ -2,26 +2,23 @@
 
 use genom_description::model::Span;
 use genom_description::source::SourceMap;
-use genom_formal::{Dated, Finding, Found, Line, TaskReport, Ticks, Verdict};
+use genom_formal::{Dated, Finding, Found, Line, Longest, Response, TaskReport, Ticks, Verdict};
 use serde_json::{Value, json};
 
 pub(crate) fn data(found: &Found, sources: &SourceMap) -> Value {
     let verdicts = found.report.verdicts.iter();
-    let verdicts: Vec<Value> = verdicts
-        .map(|(property, verdict)| match verdict {
-            Verdict::Holds => json!({ "property": property.name(), "verdict": "holds" }),
-            Verdict::Undecided(why) => {
-                json!({ "property": property.name(), "verdict": "undecided", "why": why })
-            }
-            Verdict::Violated(all) => {
-                let all: Vec<Value> = all.iter().map(|one| finding(one, sources)).collect();
-                json!({ "property": property.name(), "verdict": "violated", "findings": all })
-            }
-        })
-        .collect();
+    let verdicts = verdicts.map(|(one, is)| verdict("property", one.name(), is, sources));
+    let verdicts: Vec<Value> = verdicts.collect();
+    let formulas = found.report.formulas.iter();
+    let formulas = formulas.map(|(one, is)| verdict("formula", &one.to_string(), is, sources));
+    let formulas: Vec<Value> = formulas.collect();
+    let responses = match &found.ticks {
+        Ticks::Seen(times) => times.responses.iter().map(response).collect(),
+        Ticks::Unknown(..) | Ticks::Unasked => Vec::new(),
+    };
     let (tasks, undecided) = match &found.ticks {
         Ticks::Unasked => (Value::Null, Value::Null),
-        Ticks::Unknown(why) => (Value::Null, json!(why)),
+        Ticks::Unknown(_, why) => (Value::Null, json!(why)),
         Ticks::Seen(times) => {
             let all: Vec<Value> = times.tasks.iter().map(|one| task(one, sources)).collect();
             (json!(all), json!(times.limit().map(|limit| limit.to_string())))
@@ -30,9 +27,38 @@ pub(crate) fn data(found: &Found, sources: &SourceMap) -> Value {
     json!({
         "component": found.system.plan().component().name,
         "verdicts": verdicts,
+        "formulas": formulas,
         "states": found.report.explored.as_ref().map(|explored| explored.len()),
         "tasks": tasks,
+        "responses": responses,
         "times_undecided": undecided,
+    })
+}
+
+/// Whether a property or a formula, by its name, holds.
+fn verdict(kind: &str, name: &str, verdict: &Verdict, sources: &SourceMap) -> Value {
+    match verdict {
+        Verdict::Holds => json!({ kind: name, "verdict": "holds" }),
+        Verdict::Undecided(why) => json!({ kind: name, "verdict": "undecided", "why": why }),
+        Verdict::Violated(all) => {
+            let all: Vec<Value> = all.iter().map(|one| finding(one, sources)).collect();
+            json!({ kind: name, "verdict": "violated", "findings": all })
+        }
+    }
+}
+
+fn response(response: &Response) -> Value {
+    let one = |longest: &Longest| match longest {
+        Longest::Never => json!({ "verdict": "never" }),
+        Longest::Most(most) => json!({ "verdict": "bounded", "most_ns": most }),
+        Longest::More(more) => json!({ "verdict": "unbounded", "above_ns": more }),
+        Longest::Unbounded(why) => json!({ "verdict": "unbounded", "why": why }),
+        Longest::Undecided(why) => json!({ "verdict": "undecided", "why": why }),
+    };
+    json!({
+        "service": response.service,
+        "begins": one(&response.begins),
+        "ends": one(&response.ends),
     })
 }
 

@@ -1,6 +1,8 @@
 //! What was found of one component, for people and as JSON.
 
-use genom_formal::{Bounds, Found, Limits, Property, System, Ticks, Times, Verdict, text};
+use genom_formal::{
+    Bounds, Found, Limits, Property, System, Ticks, TimedReport, Times, Verdict, text,
+};
 use serde_json::{Value, json};
 
 use crate::data;
@@ -23,6 +25,9 @@ pub struct Asked {
     pub properties: Vec<Property>,
     /// Whether cycles end before the next tick.
     pub overrun: bool,
+    /// How long clients wait: whether that is asked for by its name, and so within the limits; else
+    /// it is told if a first look finds it.
+    pub respond: Option<bool>,
 }
 
 /// What was found of one component.
@@ -50,8 +55,8 @@ impl Told {
         let system = System::new(&subject.plan, bounds);
         let report = system.check(&asked.properties, limits);
         let times = known.times.clone().ok();
-        let ticks = match asked.overrun {
-            true => ticks(&subject, known.times, bounds, limits),
+        let ticks = match asked.overrun || asked.respond.is_some() {
+            true => ticks(&subject, asked, known.times, (bounds, limits)),
             false => Ticks::Unasked,
         };
         Self { subject, found: Found { system, report, ticks }, measured: known.measured, times }
@@ -79,14 +84,20 @@ impl Told {
         data
     }
 
+    /// What was found of properties without times, and of formulas.
+    fn untimed(&self) -> impl Iterator<Item = &Verdict> {
+        let report = &self.found.report;
+        let formulas = report.formulas.iter().map(|(_, verdict)| verdict);
+        report.verdicts.iter().map(|(_, verdict)| verdict).chain(formulas)
+    }
+
     /// Properties that are violated.
     #[must_use]
     pub fn violated(&self) -> usize {
-        let verdicts = self.found.report.verdicts.iter();
-        let untimed = verdicts.filter(|(_, one)| matches!(one, Verdict::Violated(_))).count();
+        let untimed = self.untimed().filter(|one| matches!(one, Verdict::Violated(_))).count();
         let late = match &self.found.ticks {
             Ticks::Seen(times) => times.tasks.iter().filter(|task| task.is_late()).count(),
-            Ticks::Unknown(_) | Ticks::Unasked => 0,
+            Ticks::Unknown(..) | Ticks::Unasked => 0,
         };
         self.measured.as_ref().map_or(0, Measured::violated) + untimed + late
     }
@@ -94,28 +105,38 @@ impl Told {
     /// Properties that are not decided.
     #[must_use]
     pub fn undecided(&self) -> usize {
-        let verdicts = self.found.report.verdicts.iter();
-        let untimed = verdicts.filter(|(_, one)| matches!(one, Verdict::Undecided(_))).count();
+        let untimed = self.untimed().filter(|one| matches!(one, Verdict::Undecided(_))).count();
         untimed
             + match &self.found.ticks {
                 Ticks::Seen(times) => times.tasks.iter().filter(|task| task.is_open()).count(),
-                Ticks::Unknown(_) => 1,
+                Ticks::Unknown(..) => 1,
                 Ticks::Unasked => 0,
             }
     }
 }
 
-/// Looks at the ticks of the tasks; tells why not if that cannot be done.
+/// Looks at what takes times; tells why not if that cannot be done.
 fn ticks(
     subject: &Subject,
+    asked: &Asked,
     times: Result<Times, String>,
-    bounds: Bounds,
-    limits: &Limits,
+    (bounds, limits): (Bounds, &Limits),
 ) -> Ticks {
+    let times = match (subject.shares_its_thread(), times) {
+        (Some(why), _) | (None, Err(why)) => {
+            return Ticks::Unknown(if asked.overrun { "overrun" } else { "respond" }, why);
+        }
+        (None, Ok(times)) => times,
+    };
     // What is measured is the component while it serves requests.
     let system = System::new(&subject.plan, Bounds { kill: false, ..bounds });
-    match (subject.shares_its_thread(), times) {
-        (Some(why), _) | (None, Err(why)) => Ticks::Unknown(why),
-        (None, Ok(times)) => Ticks::Seen(Box::new(system.check_ticks(&times, limits))),
+    let mut report = match asked.overrun {
+        true => system.check_ticks(&times, limits),
+        false => TimedReport::default(),
+    };
+    if let Some(by_name) = asked.respond {
+        let limits = if by_name { *limits } else { limits.first() };
+        report.responses = system.respond(&times, &limits);
     }
+    Ticks::Seen(Box::new(report))
 }

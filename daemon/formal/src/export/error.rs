@@ -20,6 +20,12 @@ pub enum ExportError {
     /// Times are wanted.
     #[error("clocks want times of all codels")]
     NoTimes,
+    /// Claims of Promela speak of what comes.
+    #[error(
+        "a formula about the past is checked by genomctl itself if it is `[]` of one, and of nothing \
+         that comes"
+    )]
+    Past,
     /// The states are too many to be written out.
     #[error("the states cannot be written out: {0}; lower the bounds on clients")]
     Limit(Limit),

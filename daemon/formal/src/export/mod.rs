@@ -1,5 +1,6 @@
 //! The model in the languages of other tools, to be checked by them (`docs/verify.md`).
 
+mod claim;
 mod error;
 mod flat;
 mod promela;
@@ -7,9 +8,11 @@ mod tchecker;
 mod unit;
 mod uppaal;
 
+pub use claim::fairness;
 pub use error::ExportError;
 
 use crate::explore::Limits;
+use crate::ltl::Formula;
 use crate::system::System;
 use crate::timed::Times;
 
@@ -40,6 +43,25 @@ impl Format {
 }
 
 impl System {
+    /// The model in Promela with a formula as its claim `user`.
+    ///
+    /// # Errors
+    /// If Promela cannot express the component or the formula, or the formula takes times and there
+    /// are none.
+    pub fn export_claim(
+        &self,
+        formula: &Formula,
+        times: Option<&Times>,
+    ) -> Result<String, ExportError> {
+        if formula.has_late() && times.is_none() {
+            return Err(ExportError::NoTimes);
+        }
+        let model = promela::promela(self, times)?;
+        let claim = claim::claim(self, formula, &model).ok_or(ExportError::Past)?;
+        // Other errors than that of the claim are other properties.
+        Ok(format!("#define CLAIM_ONLY\n{model}{claim}"))
+    }
+
     /// The model as a text, with the commands that check it as comments.
     ///
     /// # Errors

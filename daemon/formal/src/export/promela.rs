@@ -310,7 +310,8 @@ fn processes(text: &mut String, system: &System, sizes: &Sizes, timed: bool) {
     let any = |all: Vec<String>| if all.is_empty() { "false".into() } else { all.join(" || ") };
     let all = |all: Vec<String>| if all.is_empty() { "true".into() } else { all.join(" && ") };
     let services: Vec<usize> = (0..system.services.len()).collect();
-    let mut run: Vec<String> = tasks.clone().map(|task| format!("run task({task})")).collect();
+    let of_task = |task: usize| [format!("run task({task})"), format!("run collector({task})")];
+    let mut run: Vec<String> = tasks.clone().flat_map(of_task).collect();
     run.push("run control()".into());
     let clients = services.iter().filter(|at| system.services[**at].builtin.is_none());
     run.extend(clients.map(|at| format!("run service({at})")));

@@ -1,6 +1,11 @@
 
 /* --- Rules: the same for all components. R1 to R15 are those of docs/verify.md. ------------- */
 
+#ifdef CLAIM_ONLY
+#define ENSURE(x) skip
+#else
+#define ENSURE(x) assert(x)
+#endif
 #define NONE 255
 #define STARTING 0
 #define RUNNING 1
@@ -731,6 +736,12 @@ end:
        choose(held[t] - 1);
        d_step { task_returns(t, A_KIND[chosen], A_TO[chosen]); chosen = 0 }
      }
+  od
+}
+/* R9: what has ended is collected whatever else its task does. */
+proctype collector(byte t) {
+end:
+  do
   :: d_step {
        phase != STOPPED && phase != STARTING && T[t].no > 0 -> collect_one(t); examine(); skip
      }
@@ -747,8 +758,9 @@ end:
   :: d_step { ADVANCES -> advance(); skip }
   :: d_step { SEVERAL_ENDED && phase != STOPPED && phase != STARTING -> collect_all(); skip }
   :: d_step { KILL && phase == RUNNING -> kill(); skip }
-  :: atomic { TOGETHER -> assert(false) }   /* what excludes each other is executed */
-  :: atomic { timeout -> assert(phase == RUNNING || phase == STOPPED) }
+  :: KILL && phase == RUNNING && !(SEVERAL_ENDED) /* nobody has to ask */
+  :: atomic { TOGETHER -> ENSURE(false) }   /* what excludes each other is executed */
+  :: atomic { timeout -> ENSURE(phase == RUNNING || phase == STOPPED) }
   od
 }
 
@@ -759,6 +771,7 @@ end:
        phase == RUNNING && nw < REQUESTS && pc[s] == 0 &&
        (S_MACHINE[s] == 0 || count[s] < INSTANCES) -> request(s); skip
      }
+  :: phase == RUNNING && pc[s] == 0
   :: atomic {
        held[WORKER(s)] != 0 && MAY_RETURN(WORKER(s)) ->
        choose(held[WORKER(s)] - 1);
@@ -768,6 +781,8 @@ end:
   od
 }
 
+/* Clients need not ask: fairness would let all of them do so again and again without such steps. */
+#define NEED_NOT phase == RUNNING
 #define MAY_ABORT (phase == RUNNING && nw < REQUESTS && pc[ABORTS] == 0)
 /* R13: `abort_activity` of a pending activity, or of none. */
 proctype abort_pending(byte at) {
@@ -781,6 +796,7 @@ end:
        :: else -> all_stay(); gone[at] = 1; drop_gone(1); examine(); finish(ABORTS, 1)
        fi; skip
      }
+  :: NEED_NOT
   od
 }
 /* R13: of one that its task has. */
@@ -793,6 +809,7 @@ end:
        pc[ABORTS] = 1; nw++; stop(t, x); wake(t); examine(); finish(ABORTS, 1)
        skip
      }
+  :: NEED_NOT
   od
 }
 /* The request itself, once its effect is there. */
@@ -811,5 +828,6 @@ end:
        phase == RUNNING && !((T[t].fired >> k) & 1) && HEARS(t, k) ->
        T[t].fired = T[t].fired | (1 << k); wake(t)
      }
+  :: NEED_NOT
   od
 }

@@ -4,6 +4,7 @@ use super::parts::Parts;
 use super::verdict::{Property, Verdict};
 use super::{answer, graph, order, untimed};
 use crate::explore::{Explored, Limits};
+use crate::ltl::Formula;
 use crate::system::System;
 
 /// Verdicts, and how they were found.
@@ -11,6 +12,8 @@ use crate::system::System;
 pub struct Report {
     /// Each property that was asked for, in the order of [`Property::ALL`].
     pub verdicts: Vec<(Property, Verdict)>,
+    /// Formulas of users.
+    pub formulas: Vec<(Formula, Verdict)>,
     /// The states that were explored; `None` if no property needed that.
     pub explored: Option<Explored>,
 }
@@ -54,6 +57,6 @@ impl System {
         };
         let asked = Property::ALL.into_iter().filter(asked);
         let verdicts = asked.filter_map(verdict).collect();
-        Report { verdicts, explored: found.map(|found| found.explored) }
+        Report { verdicts, formulas: Vec::new(), explored: found.map(|found| found.explored) }
     }
 }

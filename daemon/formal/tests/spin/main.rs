@@ -7,6 +7,7 @@
 mod compare;
 #[path = "../conformance/components.rs"]
 mod components;
+mod formulas;
 #[path = "../conformance/random.rs"]
 mod random;
 mod run;
@@ -15,8 +16,9 @@ mod small;
 use std::path::Path;
 
 use compare::compare;
+use formulas::{Judged, judge};
 use genom_description::{Options, read};
-use genom_formal::{Bounds, Duration, System, Times};
+use genom_formal::{Bounds, Duration, Formula, System, Times, Verdict};
 use run::Checked;
 use small::{made, system};
 
@@ -55,6 +57,48 @@ fn spin_agrees_on_the_demo_and_on_the_figures_of_the_papers() {
     ] {
         let system = repository(path, bounds);
         assert!(compare(&system, 200_000, 100).is_some(), "{path}");
+    }
+}
+
+#[test]
+fn spin_agrees_on_formulas_of_users() {
+    let demo = || repository("components/demo/demo.gen", Bounds::default());
+    let violated = |system: &System, text: &str| {
+        let formula = Formula::new(system, text).unwrap();
+        let model = system.export_claim(&formula, None).unwrap();
+        let limits = compare::limits(200_000);
+        let ours = system.check_past(&formula, &limits);
+        let ours = ours.or_else(|| system.check_comes(&formula, &limits));
+        let ours = ours.map(|verdict| matches!(verdict, Verdict::Violated(_)));
+        (Checked::of(&model, false).user("user"), ours)
+    };
+    for (text, expected) in [
+        ("[] !(codel(demo_servo) && codel(demo_brake))", false),
+        ("[] !(run(goto) && pending(goto))", true),
+        // A servo loop may yield `pause` for ever, so it takes more than that each process goes on.
+        ("[] (goto -> <> !goto)", true),
+        ("[] (codel(demo_servo) -> <> !codel(demo_servo))", false),
+    ] {
+        assert_eq!(violated(&demo(), text), (expected, Some(expected)), "{text}");
+    }
+    // Of no form that is built in.
+    let text = "[] (codel(demo_servo) -> codel(demo_servo) U !codel(demo_servo))";
+    assert_eq!(violated(&demo(), text), (false, None));
+}
+
+#[test]
+fn spin_agrees_on_random_formulas_that_something_comes_or_never_is() {
+    let (mut all, mut components) = (Judged::default(), 0);
+    for judged in (0..).filter_map(|seed| judge(seed, 1_500)) {
+        all.add(judged);
+        components += 1;
+        if components == 3 {
+            break;
+        }
+    }
+    // Some hold, and some do not.
+    for (hold, of) in [all.never, all.comes] {
+        assert!(0 < hold && hold < of, "{all:?}");
     }
 }
 

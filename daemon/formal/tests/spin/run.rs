@@ -22,9 +22,14 @@ impl Checked {
     /// Spin's program for this component; with times if there are any.
     pub(crate) fn new(system: &System, times: Option<&Times>) -> Self {
         let text = system.export(Format::Promela, times, &Limits::default()).unwrap();
+        Self::of(&text, times.is_some())
+    }
+
+    /// The same for a model.
+    pub(crate) fn of(text: &str, timed: bool) -> Self {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("model.pml"), text).unwrap();
-        let checked = Self { folder, timed: times.is_some() };
+        let checked = Self { folder, timed };
         let time: &[&str] = if checked.timed { &["-DTIME"] } else { &[] };
         let spin = genom_components::debian::spin().unwrap_or_else(|error| panic!("{error}"));
         run(&spin, &[time, &["-a", "model.pml"]].concat(), checked.folder.path());
@@ -43,6 +48,18 @@ impl Checked {
             self.compiled("claims", &[]);
         }
         self.found("claims", &["-N", name]).errors > 0
+    }
+
+    /// Whether a formula of a user fails, if each process goes on that can.
+    pub(crate) fn user(&self, name: &str) -> bool {
+        let path = self.folder.path();
+        if !path.join("user").exists() {
+            let model = std::fs::read_to_string(path.join("model.pml")).unwrap();
+            let fair = format!("-DNFAIR={}", genom_formal::fairness(&model));
+            let all = ["-O0", "-w", &fair, "-DMEMLIM=2048", "-DVECTORSZ=4096", "-o", "user"];
+            run(Path::new("cc"), &[&all[..], &["pan.c"]].concat(), path);
+        }
+        self.found("user", &["-a", "-f", "-N", name]).errors > 0
     }
 
     fn compiled(&self, program: &str, options: &[&str]) {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use genom_formal::{Bounds, ExportError, Format, System};
 
-use super::verify::{Described, Given, Most};
+use super::verify::{Described, Given, Most, formulas};
 use crate::failure::Failure;
 use crate::session::Session;
 
@@ -24,6 +24,9 @@ pub(crate) struct Args {
     /// The file to write [default: standard output].
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// With promela: this formula, as `genomctl verify --ltl` takes it, as the claim `user`.
+    #[arg(long, value_name = "FORMULA")]
+    ltl: Option<String>,
     #[command(flatten)]
     given: Given,
     /// Requests that clients make at the same time.
@@ -54,7 +57,14 @@ pub(super) async fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let (requests, instances) = (args.requests, args.instances);
     let bounds = Bounds { requests, instances, kill, ..Bounds::default() };
     let system = System::new(&subject.plan, bounds);
-    let text = system.export(args.format, times.as_ref().ok(), &args.limits.limits());
+    let formulas = formulas::read(args.ltl.as_slice(), &system)?;
+    let text = match formulas.first() {
+        Some(_) if args.format != Format::Promela => {
+            return Err(Failure::usage("--ltl goes with --format promela", "claims are Spin's"));
+        }
+        Some(formula) => system.export_claim(formula, times.as_ref().ok()),
+        None => system.export(args.format, times.as_ref().ok(), &args.limits.limits()),
+    };
     let text = text.map_err(|error| {
         let message = match (&error, &times) {
             (ExportError::NoTimes, Err(why)) => format!("{}: {why}", args.format.name()),

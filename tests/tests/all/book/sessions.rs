@@ -72,6 +72,7 @@ sessions! {
     "debugging": what_is_wrong_is_found,
     "python": python_drives_the_demo,
     "realtime": the_time_of_tasks_is_told,
+    "timing": tasks_are_found_to_be_late_before_while_and_after_they_run,
     "isolation": a_component_in_a_cell_comes_back,
 }
 

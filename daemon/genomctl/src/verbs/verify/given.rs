@@ -15,6 +15,8 @@ pub(crate) enum Checked {
     Untimed(Property),
     /// Every cycle ends before the next tick.
     Overrun,
+    /// How long clients of activities wait.
+    Respond,
 }
 
 /// A property by its name.
@@ -23,9 +25,10 @@ pub(super) fn property(name: &str) -> Result<Checked, String> {
     match untimed {
         Some(property) => Ok(Checked::Untimed(property)),
         None if name == "overrun" => Ok(Checked::Overrun),
+        None if name == "respond" => Ok(Checked::Respond),
         None => {
             let names: Vec<&str> = Property::ALL.iter().map(|property| property.name()).collect();
-            Err(format!("the properties are {}, overrun", names.join(", ")))
+            Err(format!("the properties are {}, overrun, respond", names.join(", ")))
         }
     }
 }

@@ -2,12 +2,13 @@
 //! no daemon.
 
 mod described;
+pub(super) mod formulas;
 mod given;
 mod trace;
 
 use std::path::PathBuf;
 
-use genom_formal::Property;
+use genom_formal::{Formula, Property, System};
 use genom_verdicts::rules::{self, Ruled};
 use genom_verdicts::{Asked, Subject, Told};
 
@@ -21,8 +22,10 @@ use crate::session::Session;
 /// whatever codels yield and clients ask. A component that runs is checked with its configuration.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Properties: start, stuck, reach, loop, stop, order, exclude and answer need no times; overrun takes \
-the wcet of the description, or --wcet. docs/verify.md says what each means, and what is assumed.
+Properties: start, stuck, reach, loop, stop, order, exclude and answer need no times; overrun and \
+respond take the wcet of the description, or --wcet. respond is no verdict: it tells how long clients \
+wait, by default if a first look finds it. docs/verify.md says what each means, what is assumed, and \
+what formulas may say.
 
 With --config, rules of supervision are told as `cannot fire` (no run breaks it), `can fire` (with a \
 shortest run), `always fires` (its bound or order is wrong) or `not decided`. They do not change the \
@@ -35,6 +38,11 @@ pub(crate) struct Args {
     /// Check this property only; may be repeated [default: all].
     #[arg(long, value_name = "NAME", value_parser = given::property)]
     property: Vec<Checked>,
+    /// Check this formula of linear temporal logic, too: '[] (run(go) -> <> !run(go))', '[]
+    /// (codel(move) -> once codel(init))'; may be repeated. What is not of one of the forms in
+    /// docs/verify.md takes Spin.
+    #[arg(long, value_name = "FORMULA")]
+    ltl: Vec<String>,
     #[command(flatten)]
     given: Given,
     /// Requests that clients make at the same time.
@@ -66,11 +74,19 @@ pub(super) async fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let ruled = args.config.as_ref().map(read).transpose()?;
     let bounds = |subject: &Subject| subject.bounds(args.requests, args.instances);
     let (asked, limits) = (asked(args), args.limits.limits());
-    let check = |subject: Subject| {
+    let formulas: Vec<Vec<Formula>> = subjects
+        .iter()
+        .map(|subject| formulas::read(&args.ltl, &System::new(&subject.plan, bounds(subject))))
+        .collect::<Result<_, Failure>>()?;
+    let check = |(subject, formulas): (Subject, Vec<Formula>)| {
         let (known, bounds) = (args.given.times(&subject), bounds(&subject));
-        Told::check(subject, &asked, known, bounds, &limits)
+        let mut told = Told::check(subject, &asked, known, bounds, &limits);
+        let (system, times) = (&told.found.system, told.times.as_ref());
+        told.found.report.formulas = formulas::check(formulas, system, times, &limits)?;
+        Ok(told)
     };
-    let all: Vec<Told> = subjects.into_iter().map(check).collect();
+    let all = subjects.into_iter().zip(formulas).map(check);
+    let all: Vec<Told> = all.collect::<Result<_, Failure>>()?;
     let times = |subject: &Subject| args.given.times(subject).times;
     let judged = ruled.as_ref().map(|ruled| ruled.judge(&all, bounds, times, &limits));
     if session.json {
@@ -95,12 +111,15 @@ pub(super) async fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     if violated + undecided == 0 { Ok(()) } else { Err(Failure::Verdict { violated, undecided }) }
 }
 
-/// All properties, or those that were named.
+/// All properties, or those that were named; none if only formulas are asked for.
 fn asked(args: &Args) -> Asked {
-    let asked = |one: Checked| args.property.is_empty() || args.property.contains(&one);
+    let all = args.property.is_empty() && args.ltl.is_empty();
+    let named = |one: Checked| args.property.contains(&one);
+    let asked = |one: Checked| all || named(one);
     let untimed = |property: &Property| asked(Checked::Untimed(*property));
     Asked {
         properties: Property::ALL.into_iter().filter(untimed).collect(),
         overrun: asked(Checked::Overrun),
+        respond: asked(Checked::Respond).then(|| named(Checked::Respond)),
     }
 }

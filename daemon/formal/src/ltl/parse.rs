@@ -1,0 +1,204 @@
+//! Formulas from text: the operators of Spin, and words for the past.
+
+use super::atom::Atom;
+use super::formula::{Formula, Join, Term};
+use crate::system::System;
+
+/// Parts within each other, at most.
+const DEPTH: usize = 40;
+/// Characters of a formula.
+const LENGTH: usize = 2_000;
+
+/// Why a text is no formula.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FormulaError {
+    /// Something else is wanted at this place.
+    #[error("character {at}: {wanted}")]
+    Syntax {
+        /// The character, from 1.
+        at: usize,
+        /// What is wanted there.
+        wanted: String,
+    },
+    /// It is too long, or its parts are in each other too deeply.
+    #[error("the formula is too long")]
+    Long,
+}
+
+impl Formula {
+    /// The formula that a text says about a component.
+    ///
+    /// # Errors
+    /// If the text is none, or names what the component does not have.
+    pub fn new(system: &System, text: &str) -> Result<Self, FormulaError> {
+        if text.len() > LENGTH {
+            return Err(FormulaError::Long);
+        }
+        let mut parser = Parser { system, tokens: tokens(text)?, at: 0, end: text.len() + 1 };
+        let term = parser.equal(0)?;
+        if parser.at < parser.tokens.len() {
+            return Err(parser.wanted("an operator, or the end"));
+        }
+        Ok(Self { term, text: text.to_owned() })
+    }
+}
+
+/// An operator or a word, and where it begins, from 1.
+type Token<'t> = (&'t str, usize);
+
+const OPERATORS: [&str; 10] = ["<->", "->", "[]", "<>", "&&", "||", "!", "(", ")", ","];
+
+fn tokens(text: &str) -> Result<Vec<Token<'_>>, FormulaError> {
+    let mut tokens = Vec::new();
+    let mut at = 0;
+    while let Some(first) = text[at..].chars().next() {
+        let rest = &text[at..];
+        if first.is_whitespace() {
+            at += first.len_utf8();
+        } else if let Some(operator) = OPERATORS.into_iter().find(|one| rest.starts_with(one)) {
+            tokens.push((operator, at + 1));
+            at += operator.len();
+        } else {
+            let word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+            let length = rest.find(|c| !word(c)).unwrap_or(rest.len());
+            if length == 0 {
+                let wanted = "an operator or a name".to_owned();
+                return Err(FormulaError::Syntax { at: at + 1, wanted });
+            }
+            tokens.push((&rest[..length], at + 1));
+            at += length;
+        }
+    }
+    Ok(tokens)
+}
+
+struct Parser<'t> {
+    system: &'t System,
+    tokens: Vec<Token<'t>>,
+    at: usize,
+    end: usize,
+}
+
+impl Parser<'_> {
+    fn wanted(&self, wanted: impl Into<String>) -> FormulaError {
+        let at = self.tokens.get(self.at).map_or(self.end, |(_, at)| *at);
+        FormulaError::Syntax { at, wanted: wanted.into() }
+    }
+
+    fn peek(&self) -> &str {
+        self.tokens.get(self.at).map_or("", |(token, _)| *token)
+    }
+
+    fn take(&mut self, any: &[&str]) -> bool {
+        let found = any.contains(&self.peek());
+        self.at += usize::from(found);
+        found
+    }
+
+    fn expect(&mut self, token: &str) -> Result<(), FormulaError> {
+        if self.take(&[token]) { Ok(()) } else { Err(self.wanted(format!("`{token}` is wanted"))) }
+    }
+
+    fn equal(&mut self, depth: usize) -> Result<Term, FormulaError> {
+        let mut left = self.implies(depth)?;
+        while self.take(&["<->"]) {
+            left = two(Join::Equal, left, self.implies(depth)?);
+        }
+        Ok(left)
+    }
+
+    fn implies(&mut self, depth: usize) -> Result<Term, FormulaError> {
+        if depth > DEPTH {
+            return Err(FormulaError::Long);
+        }
+        let left = self.or(depth)?;
+        if self.take(&["->"]) {
+            return Ok(two(Join::Implies, left, self.implies(depth + 1)?));
+        }
+        Ok(left)
+    }
+
+    fn or(&mut self, depth: usize) -> Result<Term, FormulaError> {
+        let mut left = self.and(depth)?;
+        while self.take(&["||"]) {
+            left = two(Join::Or, left, self.and(depth)?);
+        }
+        Ok(left)
+    }
+
+    fn and(&mut self, depth: usize) -> Result<Term, FormulaError> {
+        let mut left = self.until(depth)?;
+        while self.take(&["&&"]) {
+            left = two(Join::And, left, self.until(depth)?);
+        }
+        Ok(left)
+    }
+
+    fn until(&mut self, depth: usize) -> Result<Term, FormulaError> {
+        let left = self.unary(depth)?;
+        if self.take(&["U", "until"]) {
+            return Ok(Term::Until(Box::new(left), Box::new(self.unary(depth)?)));
+        }
+        if self.take(&["since"]) {
+            return Ok(Term::Since(Box::new(left), Box::new(self.unary(depth)?)));
+        }
+        Ok(left)
+    }
+
+    fn unary(&mut self, depth: usize) -> Result<Term, FormulaError> {
+        if depth > DEPTH {
+            return Err(FormulaError::Long);
+        }
+        let of: fn(Box<Term>) -> Term = match self.peek() {
+            "!" => Term::Not,
+            "[]" | "always" => Term::Always,
+            "<>" | "eventually" => Term::Eventually,
+            "once" => Term::Once,
+            "historically" => Term::Historically,
+            "previous" => Term::Previous,
+            _ => return self.atom(depth),
+        };
+        self.at += 1;
+        Ok(of(Box::new(self.unary(depth + 1)?)))
+    }
+
+    fn atom(&mut self, depth: usize) -> Result<Term, FormulaError> {
+        if self.take(&["("]) {
+            let term = self.equal(depth + 1)?;
+            self.expect(")")?;
+            return Ok(term);
+        }
+        let word = self.peek().to_owned();
+        match word.as_str() {
+            "true" | "false" => {
+                self.at += 1;
+                return Ok(Term::Const(word == "true"));
+            }
+            _ if word.is_empty()
+                || !word.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_') =>
+            {
+                return Err(self.wanted(
+                    "codel(NAME), run(SERVICE), pending(SERVICE), late(TASK) or a service is wanted",
+                ));
+            }
+            _ => {}
+        }
+        let called = self.tokens.get(self.at + 1).is_some_and(|(token, _)| *token == "(");
+        let found = if called {
+            let name = self.tokens.get(self.at + 2).map_or("", |(token, _)| *token);
+            Atom::named(self.system, &word, name)
+        } else {
+            Atom::named(self.system, "run", &word)
+        };
+        let atom = found.map_err(|why| self.wanted(why.to_string()))?;
+        self.at += if called { 3 } else { 1 };
+        if called {
+            self.expect(")")?;
+        }
+        Ok(Term::Atom(atom))
+    }
+}
+
+fn two(join: Join, a: Term, b: Term) -> Term {
+    Term::Two(join, Box::new(a), Box::new(b))
+}
