@@ -84,7 +84,8 @@ impl<'a> Acceptor<'a> {
                 self.settle_unseen();
                 self.request(*service, abort.map(|activity| (activity, true)));
             }
-            Seen::Aborted(activity, found) => {
+            Seen::Aborted { date, activity, found } => {
+                self.advance(*date);
                 self.settle_unseen();
                 self.set.retain(|may| find(&may.state, *activity).is_some() == *found);
                 if *found {

@@ -26,8 +26,8 @@ pub(crate) enum Seen {
     Told(u64, Told),
     /// A service was requested; `abort_activity` with the number of an activity.
     Requested(u16, Option<u32>),
-    /// An activity was asked to stop; whether there was one.
-    Aborted(u32, bool),
+    /// An activity was asked to stop, at this date; whether there was one.
+    Aborted { date: u64, activity: u32, found: bool },
     /// An external event was fired.
     Fired(u16),
     /// The clock shows this date, and everything that was due has been done.
@@ -42,6 +42,9 @@ pub(crate) enum Seen {
     Stopped,
 }
 
+/// Asks an activity to stop; tells whether there is one.
+pub(crate) type Aborts = Arc<dyn Fn(u32) -> bool + Send + Sync>;
+
 /// What the codels share.
 pub(crate) struct Script {
     pub(crate) random: Random,
@@ -52,12 +55,27 @@ pub(crate) struct Script {
     pub(crate) started: bool,
     /// The component shuts down. A task without period that pauses then would wait for ever.
     pub(crate) stops: bool,
+    /// A client that asks for aborts while codels are executed.
+    pub(crate) client: Option<Aborts>,
 }
 
 impl Script {
     pub(crate) fn new(random: Random) -> Self {
-        Self { random, log: Vec::new(), calls: (0, 0), started: false, stops: false }
+        Self { random, log: Vec::new(), calls: (0, 0), started: false, stops: false, client: None }
     }
+}
+
+/// Asks an activity to stop, and keeps that this was asked.
+pub(crate) fn abort(script: &Mutex<Script>, client: &Aborts, date: u64, activity: u32) {
+    let asked = |found: bool| Seen::Aborted { date, activity, found };
+    let place = {
+        let log = &mut script.lock().unwrap().log;
+        log.push(asked(false));
+        log.len() - 1
+    };
+    // Others are told meanwhile, and write that down.
+    let found = client(activity);
+    script.lock().unwrap().log[place] = asked(found);
 }
 
 #[derive(Clone)]
@@ -132,6 +150,19 @@ impl ScriptedFrame {
         let of_kind: Vec<_> = allowed.iter().filter(kind).collect();
         Returned::Event(script.random.one(&of_kind).1)
     }
+
+    /// At times a client asks this or another activity to stop while its codel is executed: what
+    /// comes of it in the same cycle is seen.
+    fn interfere(&self, date: u64) {
+        let mut script = self.body.script.lock().unwrap();
+        let busy = script.started && !script.stops;
+        let asks = busy && script.random.percent(8);
+        let Some(client) = script.client.clone().filter(|_| asks) else { return };
+        let other = 1 + u32::try_from(script.random.below(12)).unwrap();
+        let activity = if script.random.percent(60) { self.number } else { other };
+        drop(script);
+        abort(&self.body.script, &client, date, activity);
+    }
 }
 
 impl Frame for ScriptedFrame {
@@ -150,6 +181,9 @@ impl Frame for ScriptedFrame {
         let date = self.body.clock.now() - self.body.epoch;
         let system = &self.body.system;
         let task = Some(context).filter(|context| *context < system.periods().len());
+        if task.is_some() {
+            self.interfere(date);
+        }
         let mut script = self.body.script.lock().unwrap();
         let before = if script.calls.0 == date { script.calls.1 } else { 0 };
         script.calls = (date, before + 1);

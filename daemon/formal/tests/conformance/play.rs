@@ -13,7 +13,7 @@ use genom_runtime::{
 };
 use serde_json::json;
 
-use super::body::{Script, Scripted, Seen};
+use super::body::{Aborts, Script, Scripted, Seen, abort};
 use super::components::component;
 use super::random::Random;
 
@@ -75,9 +75,17 @@ pub(crate) fn play(seed: u64) -> Played {
     let mut hangs = None;
     if let Ok(instance) = Instance::start(Arc::clone(&plan), Arc::new(body), options) {
         seen(Seen::Started);
-        script.lock().unwrap().started = true;
+        let instance = Arc::new(instance);
+        let weak = Arc::downgrade(&instance);
+        let client: Aborts = Arc::new(move |activity| {
+            weak.upgrade().is_some_and(|instance| instance.abort(activity).is_ok())
+        });
+        {
+            let mut script = script.lock().unwrap();
+            (script.started, script.client) = (true, Some(Arc::clone(&client)));
+        }
         for _ in 0..commands {
-            command(&mut random, &instance, &clock, epoch, &script);
+            command(&mut random, (&instance, &client), &clock, epoch, &script);
             let list = instance.activities().into_iter();
             let list = list.map(|a| (a.id, a.phase, a.stopped_by.is_some()));
             seen(Seen::Activities(list.collect()));
@@ -101,7 +109,7 @@ pub(crate) fn play(seed: u64) -> Played {
 /// A request, an abort, an external event or a step of the clock.
 fn command(
     random: &mut Random,
-    instance: &Instance,
+    (instance, client): (&Instance, &Aborts),
     clock: &Arc<VirtualClock>,
     epoch: u64,
     script: &Arc<Mutex<Script>>,
@@ -111,12 +119,7 @@ fn command(
     let activity = 1 + u32::try_from(random.below(12)).unwrap();
     match random.below(10) {
         0..4 => request(random, instance, activity, (clock, epoch), script),
-        4 => {
-            let place = script.lock().unwrap().log.len();
-            seen(Seen::Aborted(activity, false));
-            let found = instance.abort(activity).is_ok();
-            script.lock().unwrap().log[place] = Seen::Aborted(activity, found);
-        }
+        4 => abort(script, client, clock.now() - epoch, activity),
         5 if !plan.component().sinks.is_empty() => {
             let sink = random.below(plan.component().sinks.len());
             seen(Seen::Fired(u16::try_from(sink).unwrap()));
