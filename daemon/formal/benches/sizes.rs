@@ -111,7 +111,7 @@ fn measure(analysis: Analysis, bounds: Bounds) -> (f64, bool) {
         component.codels.len(),
         component.tasks.len(),
         untimed.as_secs_f64(),
-        report.explored.map_or(0, |explored| explored.len()),
+        report.explored.map_or(0, |explored| explored.states),
         timed.as_secs_f64(),
         ticks.explored.zones(),
         responses.len(),

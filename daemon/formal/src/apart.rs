@@ -20,7 +20,9 @@ impl System {
             (0..tasks).filter(|task| self.is_aperiodic(*task) && groups.matters(self, *task));
         let whole = (0..tasks).filter(|task| !self.is_aperiodic(*task));
         if woken.count() > 0 {
-            return vec![(whole.collect(), self.clone())];
+            let mut part = self.clone();
+            part.leave_out_twins();
+            return vec![(whole.collect(), part)];
         }
         let mut done: Vec<u16> = Vec::new();
         let mut parts = Vec::new();

@@ -7,12 +7,13 @@ use indexmap::IndexSet;
 use rustc_hash::FxBuildHasher;
 
 use crate::action::Action;
+use crate::memory::{ENTRY, listed};
 use crate::pack::{pack, packed, unpacked};
 use crate::state::State;
 use crate::system::System;
 
-/// Bytes that the tables take for each state, beside the state itself.
-const TABLES: usize = 48;
+/// Bytes that are taken for each state, beside the state itself.
+const TABLES: usize = ENTRY + listed::<(u32, u16)>();
 
 /// Limits of an exploration.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +53,17 @@ impl fmt::Display for Limit {
     }
 }
 
+/// How much was explored.
+#[derive(Clone, Copy, Debug)]
+pub struct Looked {
+    /// Number of states.
+    pub states: usize,
+    /// Number of steps between them.
+    pub steps: usize,
+    /// What ended the exploration early.
+    pub limit: Option<Limit>,
+}
+
 /// States that were reached, in order of their distance from the first one.
 #[derive(Debug)]
 pub struct Explored {
@@ -88,14 +100,16 @@ impl Explored {
         mut look: impl FnMut(u32, &State, &[Action]) -> bool,
     ) -> Self {
         let begin = Instant::now();
+        let first = packed(&system.initial(false));
         let mut all = Self {
-            states: IndexSet::from_iter([packed(&system.initial(false))]),
+            states: IndexSet::from_iter([first]),
             before: vec![(0, 0)],
             steps: 0,
             limit: None,
             took: Duration::ZERO,
         };
-        let (mut at, mut bytes, mut told, mut next) = (0, 0, Vec::new(), Vec::new());
+        let (mut at, mut bytes, mut told, mut packed) = (0, 0, Vec::new(), Vec::new());
+        let mut next = system.initial(false);
         while let Some(state) = all.states.get_index(at).map(|bytes| unpacked(bytes)) {
             let number = u32::try_from(at).unwrap_or(u32::MAX);
             let enabled = system.enabled(&state);
@@ -103,12 +117,13 @@ impl Explored {
                 break;
             }
             for (action, step) in enabled.iter().zip(0u16..) {
-                pack(&system.after(&state, *action, &mut told), &mut next);
+                system.after_into(&mut next, &state, *action, &mut told);
+                pack(&next, &mut packed);
                 told.clear();
                 all.steps += 1;
-                if !all.states.contains(next.as_slice()) {
-                    all.states.insert(next.as_slice().into());
-                    bytes += next.len() + TABLES;
+                if !all.states.contains(packed.as_slice()) {
+                    all.states.insert(packed.as_slice().into());
+                    bytes += packed.len() + TABLES;
                     all.before.push((number, step));
                 }
             }
@@ -126,6 +141,12 @@ impl Explored {
     #[must_use]
     pub fn len(&self) -> usize {
         self.states.len()
+    }
+
+    /// How much that is.
+    #[must_use]
+    pub fn looked(&self) -> Looked {
+        Looked { states: self.len(), steps: self.steps, limit: self.limit }
     }
 
     /// Whether there is no state. There always is one.
@@ -155,11 +176,19 @@ impl Explored {
 }
 
 impl Limits {
-    /// Limits of a first look, in which what is small is seen as a whole.
+    /// Limits of a first look, in which what is small is seen as a whole: a part of the time, and a
+    /// second if that is allowed.
     #[must_use]
     pub fn first(&self) -> Self {
-        let time = self.time.min(Duration::from_secs(2));
-        Self { states: self.states.min(100_000), time, ..*self }
+        const PART: u32 = 40;
+        let time = (self.time / PART).max(Duration::from_secs(1)).min(self.time);
+        Self { states: self.states.min(500_000), time, ..*self }
+    }
+
+    /// The same with what is left of the time since `begin`, shared with so many others.
+    pub(crate) fn share(&self, begin: Instant, others: usize) -> Self {
+        let sharing = u32::try_from(others.saturating_add(1)).unwrap_or(u32::MAX);
+        Self { time: self.time.saturating_sub(begin.elapsed()) / sharing, ..*self }
     }
 
     pub(crate) fn passed(

@@ -1,6 +1,8 @@
 //! Ticks of components that are too large to see all their zones: from sums, and from what happens
 //! if clients request few services.
 
+use std::time::Instant;
+
 use crate::codels::small;
 use crate::explore::Limits;
 use crate::played::Course;
@@ -10,10 +12,8 @@ use crate::services::Work;
 use crate::system::System;
 use crate::timed::{Potential, Timed, TimedReport, Times, seek};
 
-/// Time for each search for a task that is late.
-const SEARCH: std::time::Duration = std::time::Duration::from_millis(1_500);
-/// Zones of such a search.
-const ZONES: usize = 100_000;
+/// Zones of a search for a task that is late, at most.
+const ZONES: usize = 1_000_000;
 
 impl System {
     /// Whether tasks end their cycles before their next ticks. Tasks that have nothing to do with
@@ -22,8 +22,12 @@ impl System {
     #[must_use]
     pub fn check_ticks(&self, times: &Times, limits: &Limits) -> TimedReport {
         let mut all = TimedReport::default();
-        for (tasks, part) in self.apart() {
-            let mut found = part.check_group(times, limits, &tasks);
+        let (begin, first, parts) = (Instant::now(), limits.first(), self.apart());
+        let mut others = parts.len();
+        for (tasks, part) in parts {
+            others -= 1;
+            let first = first.share(begin, others);
+            let mut found = part.check_group(times, (&first, limits), &tasks);
             if part.looked_at.contains(&false) {
                 for (task, found) in tasks.iter().zip(&mut found.tasks) {
                     if found.is_late() {
@@ -48,8 +52,13 @@ impl System {
     }
 
     /// The same for the tasks that are looked at.
-    fn check_group(&self, times: &Times, limits: &Limits, tasks: &[u16]) -> TimedReport {
-        let mut report = self.check_times(times, &limits.first());
+    fn check_group(
+        &self,
+        times: &Times,
+        (first, limits): (&Limits, &Limits),
+        tasks: &[u16],
+    ) -> TimedReport {
+        let mut report = self.check_times(times, first);
         if report.limit().is_none() {
             return report;
         }
@@ -64,7 +73,7 @@ impl System {
         for (task, found) in tasks.iter().zip(&mut report.tasks) {
             let Some(sum) = sum(&found.name).filter(|_| found.open) else { continue };
             let run = self.parts(sum).iter().find_map(|part| {
-                let limits = Limits { time: limits.time.min(SEARCH), states: ZONES, ..*limits };
+                let limits = Limits { states: limits.states.min(ZONES), ..limits.first() };
                 seek(part, times, &limits, &Potential::new(part, times, *task)?)
             });
             if let Some(run) = run {

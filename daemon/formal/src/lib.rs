@@ -20,6 +20,7 @@ mod large;
 mod lock;
 mod ltl;
 mod machines;
+mod memory;
 mod monitor;
 mod pack;
 mod played;
@@ -36,7 +37,7 @@ mod words;
 
 pub use action::{Action, Answer, End, Target, Told};
 pub use bounds::Bounds;
-pub use explore::{Explored, Limit, Limits};
+pub use explore::{Explored, Limit, Limits, Looked};
 pub use export::{ExportError, Format, fairness};
 pub use found::{Found, Ticks};
 pub use hints::{Hint, hints};

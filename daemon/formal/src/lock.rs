@@ -34,7 +34,7 @@ impl Conflicts {
 }
 
 /// Who executes a node, and who waits for one. A context has at most one node in all.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Debug, Default, PartialEq, Eq, Hash)]
 pub struct Lock {
     /// Contexts and the nodes that they execute, in the order of contexts.
     pub(crate) held: Vec<(u16, u16)>,

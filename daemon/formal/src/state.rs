@@ -2,12 +2,15 @@
 //!
 //! Activities have no identity of their own: lists are in the order that the rules use (of
 //! acceptance, of admission), and what is equal for the rules is equal here.
+//!
+//! A search copies a state for each step, so copies are made into the memory of an earlier one:
+//! `clone_from` keeps the lists that are there.
 
 use crate::action::End;
 use crate::lock::Lock;
 
 /// A state of the system.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Debug, PartialEq, Eq, Hash)]
 pub struct State {
     /// Phase of the component's life.
     pub phase: Phase,
@@ -52,7 +55,7 @@ pub enum Step {
 }
 
 /// A task.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Debug, PartialEq, Eq, Hash)]
 pub struct Task {
     /// Where it is.
     pub at: At,
@@ -106,7 +109,7 @@ pub enum At {
 }
 
 /// A run of a state machine.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Debug, PartialEq, Eq, Hash)]
 pub struct Run {
     /// Its machine, by index in the plan.
     pub machine: u16,
@@ -190,3 +193,23 @@ pub enum Pc {
     #[default]
     Conclude,
 }
+
+/// Copies field by field, into lists that are there.
+macro_rules! copied {
+    ($type:ident { $($field:ident),* }) => {
+        impl Clone for $type {
+            fn clone(&self) -> Self {
+                Self { $($field: self.$field.clone()),* }
+            }
+
+            fn clone_from(&mut self, source: &Self) {
+                $(self.$field.clone_from(&source.$field);)*
+            }
+        }
+    };
+}
+
+copied! { State { phase, tasks, pending, workers, lock, ran, failed, next } }
+copied! { Task { at, runs, inbox, outbox, fired, runnable, again, moved, late, young } }
+copied! { Run { machine, life, at_stop, asked, places, end, number } }
+copied! { Lock { held, queue } }

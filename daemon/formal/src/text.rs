@@ -40,7 +40,7 @@ pub fn text(found: &Found, sources: &SourceMap) -> String {
         }
     }
     if let Some(explored) = &found.report.explored {
-        let _ = writeln!(text, "{} states, {} steps", explored.len(), explored.steps);
+        let _ = writeln!(text, "{} states, {} steps", explored.states, explored.steps);
     }
     if let Ticks::Seen(times) = &found.ticks
         && !times.tasks.is_empty()

@@ -190,6 +190,33 @@ fn a_pause_without_ticks_is_answered_only_if_something_else_happens() {
 }
 
 #[test]
+fn an_event_keeps_nobody_from_an_answer_unless_what_it_begins_sleeps_or_has_no_end() {
+    let verdict = |event: &str, stop: &str, states: usize| {
+        let text = format!(
+            "component c {{ event alarm; task t {{ period 5 ms; }};
+             activity go() {{ task t; codel<start> g0() yield pause::start;
+               codel<alarm> g1() yield {event}; codel<stop> g2() yield {stop}; }}; }};"
+        );
+        let system = system(&text, Bounds::default());
+        let limits = Limits { states, ..limits() };
+        system.check(&[Property::Answer], &limits).verdicts.remove(0).1
+    };
+    let all = limits().states;
+    // By all states, and by nothing but the rules.
+    for (states, stop) in [(all, "ether"), (2, "ether"), (all, "pause::stop, ether")] {
+        assert_eq!(verdict("ether", stop, states), Verdict::Holds, "{states} {stop}");
+        assert_eq!(verdict("pause::alarm, ether", stop, states), Verdict::Holds, "{states} {stop}");
+    }
+    // An event is taken at the beginning of a pass (R3). An activity that ends in the pass in which
+    // it begins to stop takes none; one that stops for longer may sleep in what the event begins.
+    assert_eq!(verdict("sleep, ether", "ether", all), Verdict::Holds);
+    assert!(matches!(verdict("sleep, ether", "pause::stop, ether", all), Verdict::Violated(_)));
+    for stop in ["ether", "pause::stop, ether"] {
+        assert!(matches!(verdict("sleep, ether", stop, 2), Verdict::Undecided(_)), "{stop}");
+    }
+}
+
+#[test]
 fn what_never_ends_once_it_is_asked_keeps_others_waiting() {
     let text = |stop: &str| {
         format!(
@@ -234,8 +261,8 @@ fn rules_and_states_say_the_same_of_answers() {
     for seed in 0..150 {
         let mut random = random::Random(seed);
         let text = components::component(&mut random);
-        let bounds = Bounds { instances: 1 + random.below(2), fire: false, ..Bounds::default() };
-        let system = system(&text, bounds);
+        let (instances, fire) = (1 + random.below(2), random.percent(50));
+        let system = system(&text, Bounds { instances, fire, ..Bounds::default() });
         let verdict = |states: usize| {
             let limits = Limits { states, ..limits() };
             system.check(&[Property::Answer], &limits).verdicts.remove(0).1

@@ -87,8 +87,9 @@ fn a_component_too_large_for_its_zones_is_decided_by_sums_or_by_a_run() {
     let report = |period: u64| {
         let text = format!("component duo {{ task t {{ period {period} ms; }}; {activities} }};");
         let system = running(&text);
-        let limits = Limits { states: 500, ..limits() };
-        system.check_ticks(&system.declared_times(), &limits)
+        let (times, limits) = (system.declared_times(), Limits { states: 3000, ..limits() });
+        assert!(system.check_times(&times, &limits).limit().is_some());
+        system.check_ticks(&times, &limits)
     };
     // Two codels of each in one cycle: eight milliseconds.
     let fits = report(9);

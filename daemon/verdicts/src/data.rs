@@ -28,7 +28,7 @@ pub(crate) fn data(found: &Found, sources: &SourceMap) -> Value {
         "component": found.system.plan().component().name,
         "verdicts": verdicts,
         "formulas": formulas,
-        "states": found.report.explored.as_ref().map(|explored| explored.len()),
+        "states": found.report.explored.as_ref().map(|explored| explored.states),
         "tasks": tasks,
         "responses": responses,
         "times_undecided": undecided,

@@ -15,15 +15,27 @@ use super::formula::{Comes, Formula};
 use crate::action::Action;
 use crate::codels::small;
 use crate::explore::{Limit, Limits};
+use crate::memory::{ENTRY, PIECE, listed};
 use crate::pack::{pack, unpacked};
 use crate::property::{Finding, Verdict};
 use crate::state::State;
 use crate::system::System;
 use crate::words::Line;
 
-/// Bytes that tables take for each state and for each step.
-const TABLES: usize = 64;
-const STEP: usize = 8;
+/// Bytes that are taken for each state, beside the state itself, and for each step.
+const TABLES: usize =
+    ENTRY + listed::<(u32, u16)>() + listed::<usize>() + 2 * listed::<bool>() + CIRCLES;
+const STEP: usize = listed::<Edge>();
+/// Of each state while circles are looked for: where it was reached from, its place in that order, the
+/// numbers and lists of [`circles`], and a list of those in its circle.
+const CIRCLES: usize = size_of::<Option<u32>>()
+    + listed::<u32>()
+    + 4 * size_of::<u32>()
+    + listed::<u32>()
+    + listed::<(u32, [usize; 4])>()
+    + listed::<Vec<u32>>()
+    + 4 * size_of::<u32>()
+    + PIECE;
 /// Steps that are told of those that repeat.
 const TOLD: usize = 6;
 
@@ -80,7 +92,8 @@ impl Graph {
     fn new(system: &System, comes: &Comes<'_>, limits: &Limits) -> Self {
         let begin = Instant::now();
         let (mut packed, mut told) = (Vec::new(), Vec::new());
-        pack(&system.initial(false), &mut packed);
+        let mut next = system.initial(false);
+        pack(&next, &mut packed);
         let mut all = Self {
             states: IndexSet::from_iter([packed.as_slice().into()]),
             before: vec![(0, 0)],
@@ -97,7 +110,8 @@ impl Graph {
             all.without.push(without);
             all.due.push(due && without);
             for (action, step) in system.enabled(&state).into_iter().zip(0u16..) {
-                pack(&system.after(&state, action, &mut told), &mut packed);
+                system.after_into(&mut next, &state, action, &mut told);
+                pack(&next, &mut packed);
                 told.clear();
                 let to = match all.states.get_index_of(packed.as_slice()) {
                     Some(to) => to,

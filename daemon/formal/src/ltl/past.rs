@@ -9,6 +9,7 @@ use rustc_hash::FxBuildHasher;
 
 use super::formula::{Formula, Term};
 use crate::explore::Limits;
+use crate::memory::{ENTRY, listed};
 use crate::pack::{pack, unpacked};
 use crate::property::{Finding, Verdict};
 use crate::state::State;
@@ -18,7 +19,7 @@ use crate::words::Line;
 /// Parts of a formula: their truths are bits.
 const PARTS: usize = 64;
 /// Bytes that tables take for each state, beside the state itself.
-const TABLES: usize = 56;
+const TABLES: usize = ENTRY + listed::<(usize, u16)>();
 
 /// A formula as a list: parts come before what they are part of.
 struct List<'f> {
@@ -93,9 +94,10 @@ impl System {
         if !list.holds(now) {
             return Some(violated(formula, Vec::new()));
         }
+        let mut next = first;
         while let Some((state, was)) = states.get_index(at).map(|bytes| split(bytes)) {
             for (action, step) in self.enabled(&state).into_iter().zip(0u16..) {
-                let next = self.after(&state, action, &mut told);
+                self.after_into(&mut next, &state, action, &mut told);
                 told.clear();
                 let now = list.now(self, &next, Some(was));
                 if !list.holds(now) {

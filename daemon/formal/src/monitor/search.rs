@@ -8,13 +8,16 @@ use indexmap::IndexSet;
 use super::fires::{Fires, undecided};
 use crate::action::Action;
 use crate::explore::{Limit, Limits};
+use crate::memory::{ENTRY, listed};
 use crate::pack::{packed, unpacked};
 use crate::state::State;
 use crate::system::System;
 use crate::words::Line;
 
 /// Bytes that the tables take for each node.
-const TABLES: usize = 56;
+const TABLES: usize = ENTRY + listed::<(u32, u16)>();
+/// Of a place, beside its key.
+const PLACE: usize = ENTRY + listed::<Place>() + 1024;
 /// Limit on ports that one codel may write and that a rule hears of: each is written or not.
 const MOST_PORTS: u32 = 8;
 
@@ -65,24 +68,27 @@ struct Nodes {
 }
 
 impl Nodes {
-    fn number(&mut self, place: Place) -> u32 {
-        let (at, is_new) = self.known.insert_full(key(&place));
+    /// The number of a place, and the bytes that it takes if it is new.
+    fn number(&mut self, place: Place) -> (u32, usize) {
+        let key = key(&place);
+        let bytes = 4 * key.len() + PLACE;
+        let (at, is_new) = self.known.insert_full(key);
         if is_new {
             self.places.push(place);
         }
-        u32::try_from(at).unwrap_or(u32::MAX)
+        (u32::try_from(at).unwrap_or(u32::MAX), if is_new { bytes } else { 0 })
     }
 
     /// Adds a node; returns the bytes that it takes.
     fn add(&mut self, state: &[u8], place: Place, before: (u32, u16)) -> usize {
-        let number = self.number(place).to_le_bytes();
-        let node: Box<[u8]> = number.iter().chain(state).copied().collect();
+        let (number, bytes) = self.number(place);
+        let node: Box<[u8]> = number.to_le_bytes().iter().chain(state).copied().collect();
         let length = node.len();
         if !self.all.insert(node) {
-            return 0;
+            return bytes;
         }
         self.before.push(before);
-        length + TABLES
+        bytes + length + TABLES
     }
 
     fn get(&self, at: usize) -> Option<(State, Place)> {

@@ -11,7 +11,7 @@ use indexmap::IndexSet;
 use rustc_hash::FxBuildHasher;
 
 use super::followed::{
-    Step, after, due, followed, is_answer, is_by_itself, is_endless, is_fine, steps, why,
+    Step, after_into, due, followed, is_answer, is_by_itself, is_endless, is_fine, steps, why,
 };
 use super::graph::{ends_from, reached};
 use super::order::needed;
@@ -21,92 +21,112 @@ use genom_description::model::{Ix as _, ServiceIx};
 use crate::action::{Action, Answer};
 use crate::codels::small;
 use crate::explore::{Limit, Limits};
-use crate::machines::Machine;
+use crate::memory::{ENTRY, listed};
 use crate::pack::{pack, unpacked};
 use crate::state::State;
 use crate::system::System;
 use crate::words::Line;
 
-/// Bytes that tables take for each state and for each step.
-const TABLES: usize = 64;
+/// Bytes that are taken for each state, beside the state itself, and for each step: as they are found,
+/// and then as they are followed back.
+const TABLES: usize =
+    ENTRY + listed::<(u32, Step)>() + listed::<bool>() + 2 * size_of::<u32>() + 1 + listed::<u32>();
+const STEP: usize = listed::<(u32, u32)>() + size_of::<u32>();
 /// States of one part, at most.
 const PART: usize = 50_000;
 
-/// Whether all requests are answered.
-pub(super) fn answer(system: &System, limits: &Limits) -> Verdict {
+/// Whether all requests are answered. Of a component that is known to be large not all states are
+/// looked at before its rules and its parts.
+pub(super) fn answer(system: &System, limits: &Limits, large: bool) -> Verdict {
     let mut system = system.clone();
     // What a shutdown waits for is another property.
     system.bounds.kill = false;
-    let found = Graph::new(&system, &limits.first());
-    let Some(limit) = found.limit else { return verdict(found.unanswered(&system)) };
+    if !large && let Ok(verdict) = seen(&system, &limits.first()) {
+        return verdict;
+    }
     if by_rules(&system) {
         return Verdict::Holds;
     }
     if let Some(found) = by_parts(&system, limits) {
         return verdict(found);
     }
-    if limits.states <= limits.first().states {
-        return undecided(limit);
-    }
-    let found = Graph::new(&system, limits);
-    match found.limit {
-        Some(limit) => undecided(limit),
-        None => verdict(found.unanswered(&system)),
-    }
+    seen(&system, limits).unwrap_or_else(|limit| {
+        Verdict::Undecided(format!("{limit}: raise the limits, or lower the bounds"))
+    })
 }
 
-fn undecided(limit: Limit) -> Verdict {
-    Verdict::Undecided(format!("{limit}: raise the limits, or lower the bounds"))
+/// What the states say; the limit if not all were seen, and none of them shows a violation.
+fn seen(system: &System, limits: &Limits) -> Result<Verdict, Limit> {
+    let graph = Graph::new(system, limits);
+    let found = graph.unanswered(system);
+    match graph.limit.filter(|_| found.is_empty()) {
+        Some(limit) => Err(limit),
+        None => Ok(verdict(found)),
+    }
 }
 
 /// Whether all activities end by the rules alone. Ticks come for ever, what is executed returns, and
 /// who waits for a node gets it (R5). So an activity that was asked to stop ends if each state after
-/// `stop` has a way to an end, none sleeps, and they pause only where ticks end pauses; and one that
-/// begins ends if that is so of all its states, or runs until it is asked to. One that is pending
-/// waits for some that were asked to.
+/// `stop`, and after an external event, has a way to an end, none sleeps, and none pauses in a task
+/// without period. One that begins ends if each of its states has a way to an end without sleep, or
+/// runs until it is asked to; while it sleeps no answer is due. One that is pending waits for some
+/// that were asked to.
 pub(super) fn by_rules(system: &System) -> bool {
     let activities = system.machines.iter().filter(|machine| machine.service.is_some());
     let mut all = activities.map(|machine| {
+        let may = |state: u16, wanted: fn(&Answer) -> bool| {
+            let codel = machine.codel(state).map(|codel| &system.codels[usize::from(codel)]);
+            codel.is_some_and(|codel| codel.answers.iter().any(wanted))
+        };
         let ends = |from: u16| {
-            let mut states = reached(system, machine, from, false);
-            states.push(from);
-            states.iter().all(|state| {
-                let Some(codel) = machine.codel(*state) else { return *state == from };
-                let answers = &system.codels[usize::from(codel)].answers;
-                let sleeps = answers.iter().any(|answer| matches!(answer, Answer::Sleep(_)));
-                !sleeps && ends_from(system, machine, *state, true)
+            let mut states = reached(system, machine, from, false).into_iter().chain([from]);
+            states.all(|state| match machine.codel(state) {
+                None => state == from,
+                Some(_) => ends_from(system, machine, state, true),
             })
         };
-        let waits = |machine: &Machine| {
-            let codels = machine.codels.iter().flatten();
-            let mut answers = codels.flat_map(|codel| &system.codels[usize::from(*codel)].answers);
-            answers.any(|answer| matches!(answer, Answer::Pause(_) | Answer::Sleep(_)))
+        let sleeps = |from: u16| {
+            let mut states = reached(system, machine, from, false).into_iter().chain([from]);
+            states.any(|state| may(state, |answer| matches!(answer, Answer::Sleep(_))))
         };
+        let waits = |answer: &Answer| matches!(answer, Answer::Pause(_) | Answer::Sleep(_));
+        let ticks = !system.is_aperiodic(machine.task)
+            || !(0..small(machine.codels.len())).any(|state| may(state, waits));
         let goes_on = is_endless(system, machine) || ends(machine.start);
-        let sinks = system.sinks.iter().all(|sink| machine.codel(*sink).is_none());
-        let ticks = !system.is_aperiodic(machine.task) || !waits(machine);
-        ends(machine.stop) && goes_on && sinks && ticks
+        let mut later = system.sinks.iter().chain([&machine.stop]);
+        ticks && goes_on && later.all(|from| ends(*from) && !sleeps(*from))
     });
     all.all(|ends| ends)
 }
 
 /// Requests that are not answered if clients request few services. They are not answered in the whole
-/// component either, since nothing that happens by itself is left out.
+/// component either, since nothing that happens by itself is left out. First with one activity that
+/// nobody stops, then with those that a service interrupts, within the bounds.
 fn by_parts(system: &System, limits: &Limits) -> Option<Vec<Finding>> {
-    let limits = Limits { states: limits.states.min(PART), ..limits.first() };
-    let activities = (0..small(system.services.len()))
-        .filter(|service| system.services[usize::from(*service)].machine.is_some());
-    activities.into_iter().find_map(|service| {
+    let begin = Instant::now();
+    let most = Limits { states: limits.states.min(PART), ..limits.first() };
+    let look = |part: System| {
+        let found = Graph::new(&part, &most.share(begin, 0)).unanswered(&part);
+        (!found.is_empty()).then_some(found)
+    };
+    let activities = || {
+        let services = 0..small(system.services.len());
+        services.filter(|service| system.services[usize::from(*service)].machine.is_some())
+    };
+    let alone = activities().map(|service| {
+        let mut part = system.slice(&needed(system, service));
+        (part.bounds.instances, part.bounds.requests) = (1, 1);
+        (part.bounds.abort, part.bounds.fire) = (false, false);
+        part
+    });
+    let with_others = activities().map(|service| {
         let interrupts = &system.services[usize::from(service)].interrupts;
         let interrupted = (0..small(interrupts.len())).filter(|o| interrupts[usize::from(*o)]);
         let all = interrupted.take(2).chain([service]);
         let meant: Vec<u16> = all.flat_map(|one| needed(system, one)).collect();
-        let part = system.slice(&meant);
-        let found = Graph::new(&part, &limits);
-        // Of states that were not looked at yet, it is not known where they lead.
-        let found = if found.limit.is_none() { found.unanswered(&part) } else { Vec::new() };
-        (!found.is_empty()).then_some(found)
-    })
+        system.slice(&meant)
+    });
+    alone.chain(with_others).find_map(look)
 }
 
 /// States, of which some follow an activity: its number is kept.
@@ -123,8 +143,8 @@ struct Graph {
 impl Graph {
     fn new(system: &System, limits: &Limits) -> Self {
         let begin = Instant::now();
-        let mut packed = Vec::new();
-        pack(&system.initial(false), &mut packed);
+        let (mut packed, mut next) = (Vec::new(), system.initial(false));
+        pack(&next, &mut packed);
         let first = Step { action: Action::Start, follow: false };
         let mut all = Self {
             states: IndexSet::from_iter([packed.as_slice().into()]),
@@ -133,14 +153,14 @@ impl Graph {
             answered: Vec::new(),
             limit: None,
         };
-        let mut told = Vec::new();
+        let (mut told, mut bytes) = (Vec::new(), 0);
         while let Some(state) = all.states.get_index(all.answered.len()).map(|b| unpacked(b)) {
             let number = small_index(all.answered.len());
             let followed = followed(&state).is_some();
             all.answered.push(is_fine(system, &state));
             for step in steps(system, &state) {
                 told.clear();
-                let next = after(system, &state, step, &mut told);
+                after_into(system, &mut next, &state, step, &mut told);
                 let by_itself = is_by_itself(system, step.action);
                 let answers = followed && told.iter().any(is_answer);
                 if by_itself && answers {
@@ -150,15 +170,16 @@ impl Graph {
                 let to = match all.states.get_index_of(packed.as_slice()) {
                     Some(to) => to,
                     None => {
+                        bytes += packed.len() + TABLES;
                         all.before.push((number, step));
                         all.states.insert_full(packed.as_slice().into()).0
                     }
                 };
                 if by_itself && !answers {
+                    bytes += STEP;
                     all.steps.push((number, small_index(to)));
                 }
             }
-            let bytes = (all.states.len() + all.steps.len() / 4) * TABLES;
             all.limit = limits.passed(all.states.len(), bytes, all.answered.len(), begin);
             if all.limit.is_some() {
                 break;
@@ -167,9 +188,11 @@ impl Graph {
         all
     }
 
-    /// For each service, a state from which no answer to a request of it follows.
+    /// For each service, a state from which no answer to a request of it follows. An answer may
+    /// follow from any state that was not looked at; so what is found is so whether all were seen or
+    /// not.
     fn unanswered(&self, system: &System) -> Vec<Finding> {
-        let count = self.answered.len();
+        let count = self.states.len();
         // Steps by where they lead.
         let mut first = vec![0u32; count + 1];
         self.steps.iter().for_each(|(_, to)| first[*to as usize + 1] += 1);
@@ -184,6 +207,7 @@ impl Graph {
             *place += 1;
         }
         let mut answered = self.answered.clone();
+        answered.resize(count, true);
         let all = 0..small_index(count);
         let mut left: Vec<u32> = all.filter(|at| answered[*at as usize]).collect();
         while let Some(at) = left.pop() {

@@ -32,14 +32,22 @@ pub(super) fn steps(system: &System, state: &State) -> Vec<Step> {
     steps
 }
 
-/// The state after a step; without a number once the activity has ended.
-pub(super) fn after(system: &System, state: &State, step: Step, told: &mut Vec<Told>) -> State {
-    let mut next = if step.follow {
-        system.after(&State { next: FOLLOWED, ..state.clone() }, step.action, told)
+/// The state after a step, into the memory of another one; without a number once the activity has
+/// ended.
+pub(super) fn after_into(
+    system: &System,
+    next: &mut State,
+    state: &State,
+    step: Step,
+    told: &mut Vec<Told>,
+) {
+    if step.follow {
+        let state = State { next: FOLLOWED, ..state.clone() };
+        system.after_into(next, &state, step.action, told);
+        next.next = 0;
     } else {
-        system.after(state, step.action, told)
-    };
-    next.next = 0;
+        system.after_into(next, state, step.action, told);
+    }
     if told.iter().any(is_answer) {
         for task in &mut next.tasks {
             let runs = task.runs.iter_mut().chain(&mut task.inbox).chain(&mut task.outbox);
@@ -47,7 +55,6 @@ pub(super) fn after(system: &System, state: &State, step: Step, told: &mut Vec<T
         }
         next.pending.iter_mut().for_each(|pending| pending.number = 0);
     }
-    next
 }
 
 pub(super) fn is_answer(told: &Told) -> bool {
@@ -62,6 +69,7 @@ pub(super) fn is_by_itself(system: &System, action: Action) -> bool {
         _ => true,
     }
 }
+
 /// The activity that is followed, if it is not pending.
 fn run_of(state: &State) -> Option<&Run> {
     let tasks = state.tasks.iter();

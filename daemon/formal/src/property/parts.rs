@@ -1,6 +1,8 @@
 //! What can be said of a component that is too large to see all its states: from its rules, from
 //! random runs, and from what it can do if clients request one service at a time.
 
+use std::time::Instant;
+
 use super::graph::reached;
 use super::order::needed;
 use super::seen::Seen;
@@ -11,9 +13,6 @@ use crate::action::Answer;
 use crate::codels::small;
 use crate::explore::{Explored, Limits};
 use crate::system::System;
-
-/// States of one part, at most.
-const PART: usize = 100_000;
 
 /// What the parts of a component show.
 pub(super) struct Parts {
@@ -93,11 +92,12 @@ fn slice(system: &System, services: &[u16], small: bool) -> System {
 /// A run of a part that ends where nothing is possible. It is one of the whole component, too: what
 /// clients do not ask there they need not ask.
 fn stops(system: &System, limits: &Limits) -> Option<Finding> {
-    let limits = Limits { states: limits.states.min(PART), ..*limits };
+    let (begin, limits) = (Instant::now(), limits.first());
     parts(system).iter().find_map(|part| {
         let mut slice = system.slice(part);
         (slice.bounds.instances, slice.bounds.requests) = (1, 1);
         let mut found = None;
+        let limits = limits.share(begin, 0);
         let explored = Explored::whilst(&slice, &limits, |number, state, enabled| {
             found = is_stuck(state, enabled).then_some(number);
             found.is_none()
@@ -113,7 +113,7 @@ fn shown(system: &System, limits: &Limits) -> Seen {
         seen.note(state);
         !seen.all(system)
     });
-    let parts = parts(system);
+    let (begin, limits, parts) = (Instant::now(), limits.first(), parts(system));
     // First with few clients, who let the component run; then as the bounds say.
     for (part, small) in
         parts.iter().map(|part| (part, true)).chain(parts.iter().map(|part| (part, false)))
@@ -124,8 +124,7 @@ fn shown(system: &System, limits: &Limits) -> Seen {
             continue;
         }
         let slice = slice(system, part, small);
-        let limits = Limits { states: limits.states.min(PART), ..*limits };
-        Explored::whilst(&slice, &limits, |_, state, _| {
+        Explored::whilst(&slice, &limits.share(begin, 0), |_, state, _| {
             seen.note(state);
             !done(&seen)
         });

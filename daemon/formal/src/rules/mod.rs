@@ -26,6 +26,18 @@ impl System {
         next
     }
 
+    /// The same, into the memory of a state that is no longer wanted.
+    pub(crate) fn after_into(
+        &self,
+        next: &mut State,
+        state: &State,
+        action: Action,
+        told: &mut Vec<Told>,
+    ) {
+        next.clone_from(state);
+        self.apply(next, action, told);
+    }
+
     fn apply(&self, state: &mut State, action: Action, told: &mut Vec<Told>) {
         match action {
             Action::Start => self.start(state),

@@ -75,6 +75,9 @@ pub(crate) fn guarded<'z>(
     let Some(at) = clocks.iter().position(|known| *known == clock).filter(|_| least > 0) else {
         return Some(Cow::Borrowed(zone));
     };
+    if zone.most(at + 1).is_some_and(|most| most < least) {
+        return None;
+    }
     let mut zone = zone.clone();
     zone.at_least(at + 1, least).then_some(Cow::Owned(zone))
 }

@@ -65,7 +65,7 @@ impl Timed {
         if let Some(zone) = initial(system, times, &first) {
             all.table.add(&first, zone, (0, 0));
         }
-        let (mut at, mut told) = (0u32, Vec::new());
+        let (mut at, mut told, mut next) = (0u32, Vec::new(), first);
         while (at as usize) < all.table.len() {
             let number = at;
             at += 1;
@@ -77,7 +77,7 @@ impl Timed {
                 else {
                     continue;
                 };
-                let next = system.after(&state, *action, &mut told);
+                system.after_into(&mut next, &state, *action, &mut told);
                 told.clear();
                 all.note(system, number, (&state, &before, &possible), *action, &next);
                 let after = clocks(system, times, &next);

@@ -61,8 +61,10 @@ impl System {
     #[must_use]
     pub fn respond(&self, times: &Times, limits: &Limits) -> Vec<Response> {
         let mut all: Vec<(u16, Response)> = Vec::new();
-        for part in self.parts_of_activities() {
-            let (found, limit) = explore(&part, times, limits);
+        let (begin, parts) = (Instant::now(), self.parts_of_activities());
+        for (at, part) in parts.iter().enumerate() {
+            let limits = limits.share(begin, parts.len() - at - 1);
+            let (found, limit) = explore(part, times, &limits);
             let services = (0..small(part.services.len())).filter(|service| {
                 let facts = &part.services[usize::from(*service)];
                 facts.machine.is_some() && part.clients[usize::from(*service)]
@@ -70,12 +72,12 @@ impl System {
             for service in services {
                 let one = found[usize::from(service)];
                 let told = |seen: Option<Option<u64>>| match (seen, limit) {
-                    (Some(None), _) => Longest::More(cap(&part)),
+                    (Some(None), _) => Longest::More(cap(part)),
                     (_, Some(limit)) => Longest::Undecided(limit.to_string()),
                     (Some(Some(most)), None) => Longest::Most(most),
                     (None, None) => Longest::Never,
                 };
-                let late = stops_late(&part, service);
+                let late = stops_late(part, service);
                 let (begins, ends) = (told(one.begins), told(one.ends));
                 let ends = late.map_or(ends, Longest::Unbounded);
                 all.push((service, Response { service: part.service_name(service), begins, ends }));
@@ -116,7 +118,7 @@ fn explore(system: &System, times: &Times, limits: &Limits) -> (Vec<Found>, Opti
         all.extend(number(state).map(|_| own));
         all
     };
-    let (mut at, mut told) = (0u32, Vec::new());
+    let (mut at, mut told, mut next) = (0u32, Vec::new(), first);
     while (at as usize) < table.len() {
         let number_of_node = at;
         at += 1;
@@ -129,7 +131,7 @@ fn explore(system: &System, times: &Times, limits: &Limits) -> (Vec<Found>, Opti
             };
             for follow in choices(system, &state, action) {
                 told.clear();
-                let mut next = after(system, &state, action, follow, &mut told);
+                after_into(system, (&mut next, &state), action, follow, &mut told);
                 if let Some((service, over)) = over(system, &state, &next, &told) {
                     let clock = before.iter().position(|clock| *clock == own);
                     let most = possible.most(clock.map_or(0, |clock| clock + 1));
@@ -198,26 +200,25 @@ fn choices(system: &System, state: &State, action: Action) -> Vec<Follow> {
     all
 }
 
-fn after(
+fn after_into(
     system: &System,
-    state: &State,
+    (next, state): (&mut State, &State),
     action: Action,
     follow: Follow,
     told: &mut Vec<Told>,
-) -> State {
+) {
     match follow {
-        Follow::None => system.after(state, action, told),
+        Follow::None => system.after_into(next, state, action, told),
         Follow::Accepted => {
-            let mut next = system.after(&State { next: ACCEPTED, ..state.clone() }, action, told);
+            let state = State { next: ACCEPTED, ..state.clone() };
+            system.after_into(next, &state, action, told);
             next.next = 0;
-            next
         }
         Follow::Asked(task, run) => {
-            let mut next = system.after(state, action, told);
+            system.after_into(next, state, action, told);
             if let Some(run) = next.tasks[task].runs.get_mut(run).filter(|run| run.asked) {
                 run.number = ASKED;
             }
-            next
         }
     }
 }

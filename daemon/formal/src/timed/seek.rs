@@ -34,7 +34,7 @@ pub(crate) fn seek(
     let first = system.initial(false);
     let zone = initial(system, times, &first)?;
     open.extend(table.add(&first, zone, (0, 0)).map(|number| (0, false, number)));
-    let (mut looked, mut told) = (0, Vec::new());
+    let (mut looked, mut told, mut next) = (0, Vec::new(), first);
     while let Some((.., number)) = open.pop() {
         let Some((state, zone)) = table.get(number) else { continue };
         let zone = zone.clone();
@@ -51,7 +51,7 @@ pub(crate) fn seek(
             if Timed::is_late(&state, *action) == Some(task) {
                 return Some(table.run_to(system, (number, *action)));
             }
-            let next = system.after(&state, *action, &mut told);
+            system.after_into(&mut next, &state, *action, &mut told);
             told.clear();
             let after: Vec<Clock> = clocks(system, times, &next);
             let from = (&before[..], &*possible);

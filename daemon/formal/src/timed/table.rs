@@ -5,12 +5,15 @@ use rustc_hash::FxBuildHasher;
 
 use super::zone::Zone;
 use crate::action::Action;
+use crate::memory::{ENTRY, PIECE, listed};
 use crate::pack::{pack, unpacked};
 use crate::state::State;
 use crate::system::System;
 
-/// Bytes that tables take for each node.
-const TABLES: usize = 48;
+/// Bytes that are taken for each node, with its place among those that a search has still to look
+/// at, and for each state, whose list of nodes begins with four.
+const NODE: usize = listed::<Node>() + listed::<u32>() + PIECE + listed::<(u64, bool, u32)>();
+const STATE: usize = ENTRY + listed::<Vec<u32>>() + 4 * size_of::<u32>() + PIECE;
 
 /// A state with values of its clocks.
 #[derive(Debug)]
@@ -44,7 +47,7 @@ impl Table {
         let place = match self.states.get_index_of(self.packed.as_slice()) {
             Some(place) => place,
             None => {
-                self.bytes += self.packed.len();
+                self.bytes += self.packed.len() + STATE;
                 self.of_state.push(Vec::new());
                 self.states.insert_full(self.packed.as_slice().into()).0
             }
@@ -61,7 +64,7 @@ impl Table {
         });
         let number = u32::try_from(nodes.len()).unwrap_or(u32::MAX);
         known.push(number);
-        self.bytes += zone.bytes() + TABLES;
+        self.bytes += zone.bytes() + NODE;
         nodes.push(Node { state: place, zone, before, covered: false });
         Some(number)
     }

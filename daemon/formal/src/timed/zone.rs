@@ -96,6 +96,7 @@ impl Zone {
     pub(crate) fn extrapolate(&mut self, guards: &[Guards]) {
         let size = self.size;
         let at_least: Vec<i64> = (0..size).map(|clock| -self.bound(0, clock)).collect();
+        let mut changed = false;
         for i in 0..size {
             for j in 0..size {
                 if i == j {
@@ -107,20 +108,25 @@ impl Zone {
                     least.is_none_or(|least| bound > least || at_least[i] > least)
                 };
                 let free = j > 0 && guards[j - 1].most.is_none_or(|most| at_least[j] > most);
-                if i > 0 && (above || free) {
-                    self.bounds[i * size + j] = NONE;
-                } else if free {
-                    self.bounds[j] = -guards[j - 1].most.unwrap_or(0);
-                }
+                let wider = match (i > 0 && (above || free), free) {
+                    (true, _) => NONE,
+                    (false, true) => -guards[j - 1].most.unwrap_or(0),
+                    (false, false) => continue,
+                };
+                changed |= wider != bound;
+                self.bounds[i * size + j] = wider;
             }
         }
         for (clock, guards) in (1..size).zip(guards) {
             if let Some(most) = guards.most {
                 let bound = &mut self.bounds[clock * size];
+                changed |= most < *bound;
                 *bound = (*bound).min(most);
             }
         }
-        self.close();
+        if changed {
+            self.close();
+        }
     }
 
     /// Makes each bound the least that follows from all others.
@@ -149,9 +155,13 @@ impl Zone {
     /// Clock by clock, the one of this zone that it is (from 1), or `None` for a new one at zero.
     pub(crate) fn select(&self, clocks: &[Option<usize>]) -> Self {
         let size = clocks.len() + 1;
-        let old = |clock: usize| if clock == 0 { 0 } else { clocks[clock - 1].unwrap_or(0) };
-        let bounds = (0..size * size).map(|at| self.bound(old(at / size), old(at % size)));
-        Self { size, bounds: bounds.collect() }
+        let mut bounds = Vec::with_capacity(size * size);
+        let old = || std::iter::once(0).chain(clocks.iter().map(|clock| clock.unwrap_or(0)));
+        for i in old() {
+            let row = &self.bounds[i * self.size..][..self.size];
+            bounds.extend(old().map(|j| row[j]));
+        }
+        Self { size, bounds: bounds.into_boxed_slice() }
     }
 
     /// Whether all values of `other` are in this zone.

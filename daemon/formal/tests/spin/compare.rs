@@ -33,12 +33,12 @@ pub(crate) fn compare(system: &System, most: usize, claims: usize) -> Option<Com
     let holds = |property: Property| *verdict(property) == Verdict::Holds;
     let spin = Checked::new(system, None);
     let all = spin.all();
-    let mut compared = Compared { verdicts: 2, states: explored.len() };
+    let mut compared = Compared { verdicts: 2, states: explored.states };
     let fine = holds(Property::Stuck) && holds(Property::Exclude);
     assert_eq!(all.errors == 0, fine, "{all:?} {:?}", verdict(Property::Stuck));
     if all.errors == 0 {
         // Before its first step, the model has its processes to start.
-        assert_eq!(all.states, explored.len() as u64 + 1, "states");
+        assert_eq!(all.states, explored.states as u64 + 1, "states");
     }
     if claims == 0 {
         return Some(compared);
