@@ -15,6 +15,7 @@ mod publish;
 mod python_client;
 mod ready;
 pub(crate) mod recording;
+mod sources;
 mod stepped;
 mod streams;
 mod telemetry;

@@ -1,0 +1,75 @@
+//! Attacks on the route that sends what a component was made of: names that lead elsewhere, files
+//! that are replaced, texts that are too long. Its right is checked with those of all routes
+//! (`doors.rs`).
+
+use std::fs;
+use std::os::unix::fs::symlink;
+
+use genom_tests::{Daemon, Reply, component, path, request};
+
+const SECRET: &str = "kept to myself";
+
+fn sources(daemon: &Daemon, name: &str) -> Reply {
+    let socket = daemon.home().socket();
+    request(&socket, "GET", &format!("/components/{name}/sources"), "")
+}
+
+/// A daemon with a demo of this name, described by a file of its own with this text at its end.
+fn described(name: &str, more: &str) -> Daemon {
+    let daemon = Daemon::start(&[]);
+    let demo = component("demo");
+    let file = daemon.home().path().join(format!("{name}.gen"));
+    fs::write(&file, fs::read_to_string(&demo.description).unwrap() + more).unwrap();
+    let load = ["load", path(&demo.library), "--name", name, "--gen-file", path(&file)];
+    daemon.ctl(&load).expect_code(0);
+    daemon
+}
+
+#[test]
+fn no_name_of_a_component_leads_to_another_file() {
+    let daemon = described("own", "");
+    let secret = daemon.home().path().join("secret.gen");
+    fs::write(&secret, format!("/* {SECRET} */ component secret {{ }};")).unwrap();
+    let whole = path(&secret).replace('/', "%2f");
+    for name in [
+        "..",
+        "%2e%2e",
+        "secret",
+        "secret.gen",
+        "..%2fsecret.gen",
+        "own%2f..%2fsecret.gen",
+        "own%00",
+        "%2fetc%2fpasswd",
+        "%ff",
+        &whole,
+    ] {
+        let reply = sources(&daemon, name);
+        assert!(matches!(reply.status, 400 | 404), "{name}: {}", reply.status);
+        let told = reply.body.to_string();
+        assert!(!told.contains(SECRET) && !told.contains("root:"), "{name}: {told}");
+    }
+    assert_eq!(sources(&daemon, "own").status, 200);
+}
+
+#[test]
+fn texts_are_those_that_were_loaded_whatever_has_come_in_the_place_of_their_files() {
+    let daemon = described("own", "/* as it was loaded */\n");
+    let file = daemon.home().path().join("own.gen");
+    let secret = daemon.home().path().join("secret");
+    fs::write(&secret, SECRET).unwrap();
+    fs::remove_file(&file).unwrap();
+    symlink(&secret, &file).unwrap();
+    let told = sources(&daemon, "own").body.to_string();
+    assert!(told.contains("as it was loaded") && !told.contains(SECRET), "{told}");
+}
+
+#[test]
+fn a_description_that_is_too_long_to_be_sent_is_not_loaded() {
+    let daemon = Daemon::start(&[]);
+    let file = daemon.home().path().join("long.gen");
+    fs::write(&file, format!("/* {} */\n", "x".repeat(17 << 20))).unwrap();
+    let demo = component("demo");
+    let load = ["load", path(&demo.library), "--name", "long", "--gen-file", path(&file)];
+    daemon.ctl(&load).expect_err("it is larger than 16 MiB");
+    assert_eq!(sources(&daemon, "long").status, 404);
+}
