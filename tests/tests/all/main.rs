@@ -19,6 +19,7 @@ mod components;
 mod control_plane;
 mod deployment;
 mod editors;
+mod embedding;
 #[path = "../../src/siege/forger.rs"]
 mod forger;
 mod foxglove;

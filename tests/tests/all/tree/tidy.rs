@@ -47,6 +47,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-stage", &["genom-description", "genom-middleware", "genom-runtime", "genom-types"]),
     ("genom-archive", ARCHIVE),
     ("genom-embedding", EMBEDDING),
+    ("genom-client", &["genom-protocol"]),
+    ("genom-client-c", &["genom-client"]),
     ("genom-doctor", &["genom-protocol"]),
     ("genom-scenario", &["genom-apart", "genom-nearest", "genom-protocol", "genom-stage"]),
     ("genom-ports", PORTS),

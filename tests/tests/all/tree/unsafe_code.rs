@@ -17,6 +17,9 @@ const UNSAFE: &[&str] = &[
     "genom-allocations",
     // What a Python interpreter calls, in one module.
     "genom-python",
+    // Memory that a daemon and its program have, in one module; and what C calls.
+    "genom-client",
+    "genom-client-c",
     // It traces daemons, in one module.
     "genom-tests",
 ];
