@@ -110,7 +110,7 @@ impl Options {
         };
         let own = own.map(rendezvous::endpoint);
         let listen: Vec<_> = own.iter().chain(&self.listen).cloned().collect();
-        let others = others.iter().map(|socket| rendezvous::endpoint(socket));
+        let others = others.iter().map(|socket| rendezvous::endpoint_of_other(socket));
         let connect: Vec<_> = others.chain(self.connect.iter().cloned()).collect();
         if self.config_file.is_none() {
             let mode = match self.mode {
@@ -216,7 +216,7 @@ mod tests {
         let config = Options::default().to_zenoh(Some(own), &["/run/y.sock".into()]).unwrap();
         let get = |key: &str| config.get_json(key).unwrap();
         assert_eq!(get("listen/endpoints"), r#"["unixsock-stream//run/x.sock"]"#);
-        assert_eq!(get("connect/endpoints"), r#"["unixsock-stream//run/y.sock"]"#);
+        assert!(get("connect/endpoints").starts_with(r#"["unixsock-stream//run/y.sock#retry"#));
         assert_eq!(get("scouting/multicast/enabled"), "false");
         assert_eq!(get("scouting/gossip/enabled"), "false");
     }

@@ -94,6 +94,12 @@ pub(crate) fn endpoint(socket: &Path) -> String {
     format!("unixsock-stream/{}", socket.display())
 }
 
+/// The same, to connect to. What fails at first, such as with a session that notices only now that
+/// another one was killed, is tried again soon: zenoh would wait for one second, then for two.
+pub(crate) fn endpoint_of_other(socket: &Path) -> String {
+    format!("{}#retry_period_init_ms=50;retry_period_max_ms=1000", endpoint(socket))
+}
+
 fn lock_of(socket: &Path) -> PathBuf {
     let mut path = socket.as_os_str().to_owned();
     path.push(".lock");
