@@ -88,7 +88,9 @@ export class View {
     const { width, height } = this.#size;
     if (!width || !height) return;
     const scale = Math.max(SMALLEST, Math.min(1.15, width / box.width, height / box.height));
-    this.#show({ scale, x: (width - box.width * scale) / 2 - box.x * scale, y: (height - box.height * scale) / 2 - box.y * scale });
+    this.#at = { scale, x: (width - box.width * scale) / 2 - box.x * scale, y: (height - box.height * scale) / 2 - box.y * scale };
+    // Not with the next frame: what has just been drawn would be seen, and clicked, elsewhere first.
+    this.#apply();
   }
 
   /** Moves what is in `box` into the window, if it is not there. */
@@ -109,11 +111,15 @@ export class View {
     this.#waits = true;
     requestAnimationFrame(() => {
       this.#waits = false;
-      const { x, y, scale } = this.#at;
-      this.#layer.setAttribute("transform", `translate(${x.toFixed(1)} ${y.toFixed(1)}) scale(${scale.toFixed(4)})`);
-      this.#canvas.classList.toggle("far", scale < FAR);
-      this.#moved(this.seen());
+      this.#apply();
     });
+  }
+
+  #apply() {
+    const { x, y, scale } = this.#at;
+    this.#layer.setAttribute("transform", `translate(${x.toFixed(1)} ${y.toFixed(1)}) scale(${scale.toFixed(4)})`);
+    this.#canvas.classList.toggle("far", scale < FAR);
+    this.#moved(this.seen());
   }
 
   /** The part of the drawing that is seen. */
