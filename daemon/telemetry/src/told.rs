@@ -10,6 +10,7 @@ use genom_protocol::{Level, LogEntry as Kept};
 use genom_runtime::TaskStatistics;
 use genom_supervisor::Supervisor;
 use genom_supervisor::bus::{Heard, Listener};
+use genom_supervisor::components::Hosted;
 use serde::Deserialize as _;
 use tokio::runtime::Handle;
 use tokio::time::{MissedTickBehavior, interval};
@@ -71,7 +72,8 @@ impl Telling {
             let Some((on, supervisor)) = self.ends() else { return };
             let before = std::mem::take(&mut missed);
             let mut told = Vec::new();
-            for hosted in supervisor.components.all() {
+            let all = supervisor.components.all();
+            for hosted in all.iter().filter(|hosted| is_on(hosted, on.name())) {
                 for task in hosted.figures().tasks {
                     let key = (hosted.name.clone(), task.name.clone());
                     let known = before.get(&key).copied().unwrap_or(task.overruns);
@@ -84,6 +86,12 @@ impl Telling {
             }
         }
     }
+}
+
+/// Whether a component is on a middleware, with its services or a port.
+fn is_on(hosted: &Hosted, name: &str) -> bool {
+    let bindings = &hosted.ties.bindings;
+    bindings.component().has(name) || bindings.ports().values().any(|names| names.has(name))
 }
 
 fn entry(kept: &Kept, instance: &str) -> LogEntry {
