@@ -39,9 +39,10 @@ struct DiagnosticStatus<'a> {
 impl Diagnostics {
     /// Publishes how tasks of components fare that are nodes here.
     pub(crate) fn put(&self, ros: &Ros, all: &[Diagnosis]) {
+        let nodes = ros.rmw.nodes();
         let of_node = all.iter().filter_map(|one| {
             let node = names::token(&one.instance);
-            ros.rmw.has_node(&node).then(|| status(&node, one))
+            nodes.contains(&node).then(|| status(&node, one))
         });
         let status: Vec<_> = of_node.collect();
         if status.is_empty() {

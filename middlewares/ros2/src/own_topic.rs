@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use serde::Serialize;
 
 use crate::names::{self, TypeName};
-use crate::rmw::{EndError, Named, TopicWriter};
+use crate::rmw::{EndError, TopicWriter};
 use crate::ros::Ros;
 use crate::typed;
 
@@ -20,8 +20,7 @@ struct Writer {
 
 impl Writer {
     fn open(ros: &Ros, name: &str, ty: TypeName, latched: bool) -> Result<Self, EndError> {
-        let hash = ros.masquerades.hash_of_foreign(&ty);
-        let of = Named { name: name.to_owned(), ty, hash };
+        let of = ros.of_ros(name.to_owned(), ty);
         let node = names::own_node();
         let writer = ros.rmw.writer(&node, &of, latched)?;
         let belonging = ros.rmw.belong(&node, writer.entities());

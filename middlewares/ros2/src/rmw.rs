@@ -2,6 +2,7 @@
 //! parameters and masquerades; below are topics and services whose bodies are bytes, and what is
 //! known of others. DDS and zenoh each implement it.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -185,8 +186,8 @@ pub(crate) trait Rmw: Send + Sync {
     /// one that is not known, since discovery takes time.
     fn service(&self, wanted: &Wanted, end: Instant) -> Service;
 
-    /// Whether a component of that name has ends here.
-    fn has_node(&self, node: &str) -> bool;
+    /// The nodes that have ends here.
+    fn nodes(&self) -> HashSet<String>;
 
     /// Waits for a limited time until others know what was opened and closed here.
     fn settle(&self);

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use genom_middleware::describe::type_of_port;
 use genom_middleware::{Address, EndpointKind, OpenError};
+use genom_rosidl::TypeName;
 use genom_types::DataType;
 
 use crate::error::BACKEND;
@@ -37,6 +38,12 @@ impl Ros {
             "" => at.to_string(),
             namespace => format!("{namespace}/{at}"),
         }
+    }
+
+    /// A topic or service of a type of ROS's own.
+    pub(crate) fn of_ros(&self, name: String, ty: TypeName) -> Named {
+        let hash = self.masquerades.hash_of_foreign(&ty);
+        Named { name, ty, hash }
     }
 
     pub(crate) fn port(

@@ -19,7 +19,7 @@ impl Rosout {
     /// Publishes an entry of a component that is a node here.
     pub(crate) fn put(&self, ros: &Ros, entry: &LogEntry) {
         let node = names::token(&entry.instance);
-        if !ros.rmw.has_node(&node) {
+        if !ros.rmw.nodes().contains(&node) {
             return;
         }
         let parts = ros.options.namespace.split('/').filter(|part| !part.is_empty());

@@ -65,8 +65,7 @@ impl Plan {
     /// A part of every action, of a type of ROS.
     fn common(&self, ros: &Ros, suffix: &str, folder: &str, name: &str) -> Named {
         let ty = TypeName::new("action_msgs", folder, name);
-        let hash = ros.masquerades.hash_of_foreign(&ty);
-        Named { name: format!("{}/_action/{suffix}", self.path), ty, hash }
+        ros.of_ros(format!("{}/_action/{suffix}", self.path), ty)
     }
 
     fn cancel_goal(&self, ros: &Ros) -> Named {

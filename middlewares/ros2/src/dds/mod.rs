@@ -23,6 +23,7 @@ mod told;
 mod topics;
 mod wire;
 
+use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -119,8 +120,8 @@ impl Rmw for Dds {
         self.0.graph.service(&graph::Wanted::of(wanted), end)
     }
 
-    fn has_node(&self, node: &str) -> bool {
-        self.0.graph.has_node(node)
+    fn nodes(&self) -> HashSet<String> {
+        self.0.graph.node_names()
     }
 
     fn settle(&self) {

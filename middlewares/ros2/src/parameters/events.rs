@@ -9,7 +9,7 @@ use ros2_client::builtin_interfaces::Time;
 use ros2_client::parameters::raw::{Parameter, ParameterEvent};
 
 use crate::names::TypeName;
-use crate::rmw::{EndError, Entities, Named, TopicWriter};
+use crate::rmw::{EndError, Entities, TopicWriter};
 use crate::ros::Ros;
 use crate::typed;
 
@@ -24,8 +24,7 @@ impl Events {
     /// `token` is the name of the node without its namespace, `path` with it.
     pub(super) fn open(ros: &Ros, token: &str, path: &str) -> Result<Arc<Self>, EndError> {
         let ty = TypeName::new("rcl_interfaces", "msg", "ParameterEvent");
-        let hash = ros.masquerades.hash_of_foreign(&ty);
-        let of = Named { name: "parameter_events".to_owned(), ty, hash };
+        let of = ros.of_ros("parameter_events".to_owned(), ty);
         let writer = ros.rmw.writer(token, &of, false)?;
         Ok(Arc::new(Self { node: format!("/{path}"), writer }))
     }

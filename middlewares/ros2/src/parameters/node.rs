@@ -21,7 +21,7 @@ use super::gather::Gather;
 use super::table::{Attribute, Known, parameters};
 use crate::lock::lock;
 use crate::names::{self, TypeName};
-use crate::rmw::{self, EndError, Named, ServerEnd};
+use crate::rmw::{self, EndError, ServerEnd};
 use crate::ros::Ros;
 use crate::typed;
 
@@ -34,7 +34,7 @@ pub(crate) struct Service {
     /// Name of its type in `rcl_interfaces/srv`.
     ty: &'static str,
     /// Decodes a request and arranges for the reply; `None` if it cannot be decoded.
-    serve: fn(&Arc<Node>, Reply, &[u8]) -> Option<()>,
+    serve: fn(&Node, Reply, &[u8]) -> Option<()>,
 }
 
 /// All parameter services, in the order of [`Node`]'s ends.
@@ -72,8 +72,7 @@ impl Node {
         let mut made = Vec::with_capacity(SERVICES.len());
         for service in &SERVICES {
             let ty = TypeName::new("rcl_interfaces", "srv", service.ty);
-            let hash = ros.masquerades.hash_of_foreign(&ty);
-            let of = Named { name: format!("{path}/{}", service.name), ty, hash };
+            let of = ros.of_ros(format!("{path}/{}", service.name), ty);
             let weak = Arc::downgrade(&node);
             let on_request = move |reply, message: &[u8]| {
                 let Some(node) = weak.upgrade() else { return };
@@ -113,7 +112,7 @@ impl Drop for Node {
 }
 
 /// `GetParameters`.
-fn get(node: &Arc<Node>, reply: Reply, message: &[u8]) -> Option<()> {
+fn get(node: &Node, reply: Reply, message: &[u8]) -> Option<()> {
     let names = typed::decode::<GetParametersRequest>(message)?.names;
     let all = node.parameters();
     let gather = Gather::new(vec![Value::NotSet; names.len()], move |values: Vec<Value>| {
@@ -190,7 +189,7 @@ fn wanted(message: &[u8]) -> Option<Vec<raw::Parameter>> {
 }
 
 /// `SetParameters`.
-fn set(node: &Arc<Node>, reply: Reply, message: &[u8]) -> Option<()> {
+fn set(node: &Node, reply: Reply, message: &[u8]) -> Option<()> {
     set_all(node, wanted(message)?, move |results| {
         answer(reply, &SetParametersResponse { results: results.iter().map(result).collect() });
     });
@@ -199,7 +198,7 @@ fn set(node: &Arc<Node>, reply: Reply, message: &[u8]) -> Option<()> {
 
 /// `SetParametersAtomically`. Attributes are set one by one, so only a single one can be set
 /// atomically.
-fn set_one(node: &Arc<Node>, reply: Reply, message: &[u8]) -> Option<()> {
+fn set_one(node: &Node, reply: Reply, message: &[u8]) -> Option<()> {
     let wanted = wanted(message)?;
     let told = move |set: Set| {
         answer(reply, &SetParametersAtomicallyResponse { result: result(&set) });
@@ -213,7 +212,7 @@ fn set_one(node: &Arc<Node>, reply: Reply, message: &[u8]) -> Option<()> {
 }
 
 /// `GetParameterTypes`.
-fn types(node: &Arc<Node>, reply: Reply, message: &[u8]) -> Option<()> {
+fn types(node: &Node, reply: Reply, message: &[u8]) -> Option<()> {
     let names = typed::decode::<GetParameterTypesRequest>(message)?.names;
     let all = node.parameters();
     let ty = |name| all.get(name).map_or(ParameterType::NotSet, Known::ty) as u8;
@@ -222,7 +221,7 @@ fn types(node: &Arc<Node>, reply: Reply, message: &[u8]) -> Option<()> {
 }
 
 /// `DescribeParameters`.
-fn describe(node: &Arc<Node>, reply: Reply, message: &[u8]) -> Option<()> {
+fn describe(node: &Node, reply: Reply, message: &[u8]) -> Option<()> {
     let names = typed::decode::<DescribeParametersRequest>(message)?.names;
     let all = node.parameters();
     let values = names.into_iter().map(|name| described(all.get_key_value(&name))).collect();
@@ -248,7 +247,7 @@ fn described(known: Option<(&String, &Known)>) -> ParameterDescriptor {
 }
 
 /// `ListParameters`.
-fn list(node: &Arc<Node>, reply: Reply, message: &[u8]) -> Option<()> {
+fn list(node: &Node, reply: Reply, message: &[u8]) -> Option<()> {
     let ListParametersRequest { prefixes, depth } = typed::decode(message)?;
     let (names, prefixes) = listed(node.parameters().into_keys(), &prefixes, depth);
     answer(reply, &ListParametersResponse { result: ListParametersResult { names, prefixes } });

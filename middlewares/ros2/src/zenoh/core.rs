@@ -1,6 +1,6 @@
 //! What all ends share: the session, its sending thread, and the graph of known ends.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, Weak};
 
@@ -211,8 +211,10 @@ impl Core {
         Ok(shown)
     }
 
-    pub(crate) fn has_node(&self, name: &str) -> bool {
-        lock(&self.nodes).get(name).is_some_and(|node| node.strong_count() > 0)
+    pub(crate) fn node_names(&self) -> HashSet<String> {
+        let nodes = lock(&self.nodes);
+        let shown = nodes.iter().filter(|(_, node)| node.strong_count() > 0);
+        shown.map(|(name, _)| name.clone()).collect()
     }
 
     /// A number for a service that is told of before it exists.

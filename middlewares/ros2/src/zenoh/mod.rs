@@ -19,6 +19,7 @@ mod session;
 mod told;
 mod topics;
 
+use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -143,8 +144,8 @@ impl Rmw for Zenoh {
         self.0.graph.service(wanted, end)
     }
 
-    fn has_node(&self, node: &str) -> bool {
-        self.0.has_node(node)
+    fn nodes(&self) -> HashSet<String> {
+        self.0.node_names()
     }
 
     // Tokens go out at once.

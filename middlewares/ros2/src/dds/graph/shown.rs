@@ -1,5 +1,7 @@
 //! Lists all ends, and those that this daemon announces.
 
+use std::collections::HashSet;
+
 use genom_middleware::{Endpoint, EndpointKind};
 use genom_rosidl::TypeName;
 
@@ -32,11 +34,13 @@ impl Graph {
         own.chain(others).collect()
     }
 
-    /// Whether a node of ours has ends.
-    pub(crate) fn has_node(&self, name: &str) -> bool {
+    /// Our nodes that have ends.
+    pub(crate) fn node_names(&self) -> HashSet<String> {
         let state = self.lock();
-        state.own.values().any(|own| own.wanted.node == name)
-            || state.others.values().any(|other| other.node == name)
+        let own = state.own.values().map(|own| own.wanted.node.as_str());
+        let all = own.chain(state.others.values().map(|other| other.node.as_str()));
+        let all: HashSet<_> = all.collect();
+        all.into_iter().map(str::to_owned).collect()
     }
 
     /// What we announce: our ends, and our nodes with all their writers and readers.
