@@ -24,6 +24,7 @@ mod http;
 mod many;
 pub mod mesh;
 pub mod pace;
+pub mod python_client;
 pub mod reloads;
 pub mod siege;
 mod signal;

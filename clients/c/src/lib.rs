@@ -9,7 +9,7 @@ use std::os::unix::ffi::{OsStrExt as _, OsStringExt as _};
 use std::path::PathBuf;
 use std::time::Duration;
 
-use genom_client::{Daemon, In, Options, Out};
+use genom_client::{Daemon, In, OpenError, Options, Out};
 
 use crate::failure::{Failure, guarded};
 
@@ -127,13 +127,8 @@ pub unsafe extern "C" fn genomd_in(
     address: *const c_char,
     size: usize,
 ) -> *mut Port {
-    guarded(std::ptr::null_mut(), || {
-        // SAFETY: they are such, as the caller guarantees.
-        let (daemon, address) = (given(unsafe { daemon.as_mut() })?, unsafe { string(address) }?);
-        let port = In::open(&mut daemon.daemon, address)?;
-        sized(address, port.size(), size)?;
-        Ok(Box::into_raw(Box::new(Port::In(port))))
-    })
+    // SAFETY: they are such, as the caller guarantees.
+    unsafe { share(daemon, address, size, |by, at| In::open(by, at).map(Port::In)) }
 }
 
 /// Shares an out port.
@@ -146,12 +141,30 @@ pub unsafe extern "C" fn genomd_out(
     address: *const c_char,
     size: usize,
 ) -> *mut Port {
+    // SAFETY: they are such, as the caller guarantees.
+    unsafe { share(daemon, address, size, |by, at| Out::open(by, at).map(Port::Out)) }
+}
+
+/// Shares a port of either kind.
+///
+/// # Safety
+/// As for [`genomd_in`].
+unsafe fn share(
+    daemon: *mut Genomd,
+    address: *const c_char,
+    size: usize,
+    open: fn(&mut Daemon, &str) -> Result<Port, OpenError>,
+) -> *mut Port {
     guarded(std::ptr::null_mut(), || {
         // SAFETY: they are such, as the caller guarantees.
         let (daemon, address) = (given(unsafe { daemon.as_mut() })?, unsafe { string(address) }?);
-        let port = Out::open(&mut daemon.daemon, address)?;
-        sized(address, port.size(), size)?;
-        Ok(Box::into_raw(Box::new(Port::Out(port))))
+        let port = open(&mut daemon.daemon, address)?;
+        let is = match &port {
+            Port::In(port) => port.size(),
+            Port::Out(port) => port.size(),
+        };
+        sized(address, is, size)?;
+        Ok(Box::into_raw(Box::new(port)))
     })
 }
 

@@ -99,12 +99,23 @@ impl Parser<'_> {
         if self.take(&[token]) { Ok(()) } else { Err(self.wanted(format!("`{token}` is wanted"))) }
     }
 
-    fn equal(&mut self, depth: usize) -> Result<Term, FormulaError> {
-        let mut left = self.implies(depth)?;
-        while self.take(&["<->"]) {
-            left = two(Join::Equal, left, self.implies(depth)?);
+    /// Parts with a sign between them, of which the first two are joined first.
+    fn chain(
+        &mut self,
+        sign: &str,
+        join: Join,
+        part: fn(&mut Self, usize) -> Result<Term, FormulaError>,
+        depth: usize,
+    ) -> Result<Term, FormulaError> {
+        let mut left = part(self, depth)?;
+        while self.take(&[sign]) {
+            left = two(join, left, part(self, depth)?);
         }
         Ok(left)
+    }
+
+    fn equal(&mut self, depth: usize) -> Result<Term, FormulaError> {
+        self.chain("<->", Join::Equal, Self::implies, depth)
     }
 
     fn implies(&mut self, depth: usize) -> Result<Term, FormulaError> {
@@ -119,19 +130,11 @@ impl Parser<'_> {
     }
 
     fn or(&mut self, depth: usize) -> Result<Term, FormulaError> {
-        let mut left = self.and(depth)?;
-        while self.take(&["||"]) {
-            left = two(Join::Or, left, self.and(depth)?);
-        }
-        Ok(left)
+        self.chain("||", Join::Or, Self::and, depth)
     }
 
     fn and(&mut self, depth: usize) -> Result<Term, FormulaError> {
-        let mut left = self.until(depth)?;
-        while self.take(&["&&"]) {
-            left = two(Join::And, left, self.until(depth)?);
-        }
-        Ok(left)
+        self.chain("&&", Join::And, Self::until, depth)
     }
 
     fn until(&mut self, depth: usize) -> Result<Term, FormulaError> {

@@ -1,10 +1,11 @@
 //! Runs the Python client's own tests (clients/python/tests), each file against a daemon of its
 //! own.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use genom_components::python;
+use genom_tests::python_client::{client_tests, python as plain};
 use genom_tests::{Daemon, Finished, Running, component, fixture, path, program, repository};
 
 /// Runs one file of the client's tests; provides external components to those that need them.
@@ -26,38 +27,21 @@ fn the_client_passes_with(
     }
     let demo = component("demo");
     let daemon = Daemon::start(daemon);
-    let package = repository().join("clients/python");
-    let mut command = Command::new(interpreter);
+    let mut command = client_tests(interpreter, options, file);
     command
-        .current_dir(&package)
-        .env_clear()
-        .env("PATH", std::env::var_os("PATH").unwrap_or_default())
-        .env("PYTHONPATH", package.join("src"))
-        .env("PYTHONDONTWRITEBYTECODE", "1")
         .env("GENOMD_SOCKET", daemon.home().socket())
         .env("GENOM_DEMO", path(&demo.library))
         .env("GENOM_FIXTURES", fixtures.path())
-        .env("GENOMCTL", program("genomctl"))
-        // An unclosed socket or a forgotten thread is an error, too.
-        .args(["-W", "error"])
-        .args(options)
-        .args(["-m", "unittest", "--verbose", file]);
+        .env("GENOMCTL", program("genomctl"));
     let finished = Running::start(&mut command).finish();
-    finished.expect_code(0);
-    // No file may contain no tests, or skip some.
-    assert!(!finished.err.contains("Ran 0 tests"), "{}", finished.err);
-    assert!(!finished.err.contains("skipped"), "{}", finished.err);
+    finished.expect_client_passed();
     finished
 }
 
 /// `-S`: without installed packages, so that only the standard library is available.
 #[track_caller]
 fn the_standard_library_is_enough(file: &str, backend: &str) {
-    the_client_passes(&python(), &["-S"], file, backend);
-}
-
-fn python() -> PathBuf {
-    std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into()).into()
+    the_client_passes(&plain(), &["-S"], file, backend);
 }
 
 #[test]
@@ -67,7 +51,7 @@ fn scripts_for_the_fields_python_client_find_their_names() {
 
 #[test]
 fn python_steps_time() {
-    the_client_passes_with(&python(), &["-S"], "tests.test_stepped", &["--clock", "virtual"]);
+    the_client_passes_with(&plain(), &["-S"], "tests.test_stepped", &["--clock", "virtual"]);
 }
 
 #[test]

@@ -1,10 +1,11 @@
 //! A daemon that is a part of a program in Python, which steps it: `genom.Daemon`.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 use genom_components::python;
-use genom_tests::{Running, WATCHDOG, component, fixture, path, program, repository};
+use genom_tests::python_client::{client_tests, python as plain};
+use genom_tests::{Running, WATCHDOG, component, fixture, path, program};
 
 /// Runs tests of the client (`clients/python/tests`).
 #[track_caller]
@@ -13,34 +14,18 @@ fn the_client_passes(tests: &str, interpreter: &Path, options: &[&str]) {
     let _ = fixture("sights", "sights", fixtures.path());
     let _ = fixture("texts", "texts", fixtures.path());
     let [demo, mission, blocks] = ["demo", "mission", "blocks"].map(component);
-    let package = repository().join("clients/python");
-    let mut command = Command::new(interpreter);
+    let mut command = client_tests(interpreter, options, tests);
     command
-        .current_dir(&package)
-        .env_clear()
-        .env("PATH", std::env::var_os("PATH").unwrap_or_default())
-        .env("PYTHONPATH", package.join("src"))
-        .env("PYTHONDONTWRITEBYTECODE", "1")
         .env("TMPDIR", fixtures.path())
         .env("XDG_STATE_HOME", fixtures.path().join("state"))
         .env("GENOMD", program("genomd"))
         .env("GENOM_DEMO", path(&demo.library))
         .env("GENOM_MISSION", path(&mission.library))
         .env("GENOM_BLOCKS", path(&blocks.library))
-        .env("GENOM_FIXTURES", fixtures.path())
-        // An unclosed socket or a forgotten process is an error, too.
-        .args(["-W", "error"])
-        .args(options)
-        .args(["-m", "unittest", "--verbose", tests]);
+        .env("GENOM_FIXTURES", fixtures.path());
     // Each test in Python has a watchdog of its own.
     let finished = Running::start(&mut command).finish_within(5 * WATCHDOG);
-    finished.expect_code(0);
-    assert!(!finished.err.contains("Ran 0 tests"), "{}", finished.err);
-    assert!(!finished.err.contains("skipped"), "{}", finished.err);
-}
-
-fn plain() -> PathBuf {
-    std::env::var_os("PYTHON").unwrap_or("python3".into()).into()
+    finished.expect_client_passed();
 }
 
 /// `-S`: without installed packages, so that only the standard library is available.
