@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use genom_cells::{AskError, Cells};
 use genom_doors::RpcError;
-use genom_protocol::{Code, StepRequest};
+use genom_protocol::{ClockKind, Code, StepRequest};
 use genom_runtime::Clock;
 use genom_supervisor::Supervisor;
 use rustix::io::Errno;
@@ -109,6 +109,10 @@ impl Session {
             let message = "this daemon lives by the machine's clock, which nobody steps";
             return Err(RpcError::conflict(Code::MonotonicClock, message));
         };
+        if self.supervisor.settings.clock == ClockKind::Ros {
+            let message = "the clock of this daemon follows /clock of ROS 2";
+            return Err(RpcError::conflict(Code::ClockFollows, message));
+        }
         if nanoseconds > StepRequest::LONGEST {
             let message = format!(
                 "a step of {nanoseconds} ns is too long: {} s are the most",

@@ -88,7 +88,7 @@ impl Hub {
 
     /// Whether the clock of the daemon is virtual.
     pub(crate) fn is_virtual(&self) -> bool {
-        lock(&self.state).clock == ClockKind::Virtual
+        lock(&self.state).clock.is_stepped()
     }
 
     /// Looks at the channels there are, and at the services too if `services`; tells clients what
@@ -207,7 +207,7 @@ impl Hub {
                 Capability::ParametersSubscribe,
             ]);
         }
-        if clock == ClockKind::Virtual {
+        if clock.is_stepped() {
             able.push(Capability::Time);
         }
         let info = ServerInfo::new(self.name.clone())

@@ -99,8 +99,8 @@ pub(crate) struct Cli {
     /// File of tokens of clients at that address, with their rights; see configs/default.toml.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) token_file: Option<PathBuf>,
-    /// Clock of the components: that of the machine, or one that `genomctl step` advances [default:
-    /// monotonic].
+    /// Clock of the components: that of the machine, one that `genomctl step` advances, or the one
+    /// that a simulator publishes on /clock of ROS 2 [default: monotonic].
     #[arg(long, value_name = "CLOCK")]
     pub(crate) clock: Option<ClockKind>,
     /// Which threads execute the components: one for each task, or a single one for all of a

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use genom_cells::{AskError, OpenError};
-use genom_configuration::{ConnectionEntry, LoadRequest, RpcSettings, Spot};
+use genom_configuration::{ClockKind, ConnectionEntry, LoadRequest, RpcSettings, Spot};
 use genom_doors::{
     Certificates, Desk, Door, Entrance, Listener, Log, Most, Socket, Tokens, acceptor, serve,
 };
@@ -22,6 +22,7 @@ use genom_supervisor::deploy::Step;
 use genom_supervisor::limits;
 use genom_supervisor::loading::{LoadError, check_reactions};
 use genom_systemd::heartbeat;
+use genom_timekeeper::{Source, follow};
 use genom_web::Console;
 use tokio::runtime::Handle;
 use tokio::task::block_in_place;
@@ -156,6 +157,9 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
         own.serve(supervisor).map_err(Refusal::own)?;
     }
     opened?;
+    if settings.config.clock == ClockKind::Ros {
+        follow_ros(&daemon).await?;
+    }
     supervisor.watch().map_err(Refusal::own)?;
     supervisor.watch_files().map_err(Refusal::own)?;
     let exporter = settings.collector.clone().map(|collector| {
@@ -229,6 +233,14 @@ async fn open_backend(supervisor: &Arc<Supervisor>) -> Result<(), Refusal> {
             Err(Refusal::left_behind(format!("stopped while {backend} was being opened")))
         }
     }
+}
+
+/// From now on, the clock of the components goes on as `/clock` of ROS 2 says.
+async fn follow_ros(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
+    let worker = Arc::clone(&daemon.supervisor);
+    let opening = tokio::task::spawn_blocking(move || Source::open(&worker.backends));
+    let source = opening.await.map_err(Refusal::own)?.map_err(Refusal::own)?;
+    follow(source, &daemon.supervisor, &daemon.cells, Handle::current()).map_err(Refusal::own)
 }
 
 /// Loads components, runs until asked to stop, and unloads them.

@@ -16,6 +16,16 @@ pub enum ClockKind {
     Monotonic,
     /// A clock that advances only when it is stepped: equal inputs give equal calls of codels.
     Virtual,
+    /// A virtual clock that goes on as ROS 2's topic `/clock` says: the time of a simulator.
+    Ros,
+}
+
+impl ClockKind {
+    /// Whether it advances only when it is stepped, by requests or by another clock.
+    #[must_use]
+    pub fn is_stepped(self) -> bool {
+        self != Self::Monotonic
+    }
 }
 
 /// Advances the virtual clock.

@@ -24,6 +24,8 @@ pub enum Code {
     CellDown,
     /// A sealed message was changed on its way.
     Changed,
+    /// The clock follows another one, and is not stepped by requests.
+    ClockFollows,
     /// The in port is already connected to something else.
     Connected,
     /// The other daemon did not answer in time.

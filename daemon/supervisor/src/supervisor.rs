@@ -66,7 +66,7 @@ impl Supervisor {
     pub fn new(settings: Settings) -> Arc<Self> {
         let clock = match settings.clock {
             ClockKind::Monotonic => Clock::Monotonic,
-            ClockKind::Virtual => Clock::Virtual(Arc::new(VirtualClock::new())),
+            ClockKind::Virtual | ClockKind::Ros => Clock::Virtual(Arc::new(VirtualClock::new())),
         };
         let execution = match settings.execution {
             ExecutionKind::Threads => Execution::Threads,

@@ -12,7 +12,7 @@ use genom_description::source::{Memory, SourceMap, tidy};
 use genom_description::{Options, preprocess, read_files};
 use genom_drawing::units::duration;
 use genom_formal::Bounds;
-use genom_protocol::{ClockKind, ExecutionKind, Sources, Statistics, TaskSettings};
+use genom_protocol::{ExecutionKind, Sources, Statistics, TaskSettings};
 use genom_runtime::Plan;
 
 /// Why the texts of the daemon do not give the component that it runs.
@@ -136,7 +136,7 @@ impl Subject {
     /// Its name in the daemon, if it is on a stepped clock, on which codels take no time.
     #[must_use]
     pub fn on_stepped_clock(&self) -> Option<&str> {
-        let running = self.running.as_ref().filter(|one| one.clock == ClockKind::Virtual)?;
+        let running = self.running.as_ref().filter(|one| one.clock.is_stepped())?;
         Some(&running.name)
     }
 

@@ -24,7 +24,7 @@ const LONGEST: Duration = Duration::from_nanos(StepRequest::LONGEST);
     responses((status = 200, body = genom_protocol::Clock))
 )]
 pub(crate) async fn look(State(supervisor): State<Arc<Supervisor>>) -> Json<genom_protocol::Clock> {
-    Json(now(&supervisor.clock))
+    Json(now(&supervisor))
 }
 
 /// Advance the virtual clock; replies when everything that was due has run.
@@ -45,6 +45,11 @@ pub(crate) async fn step(
         return Err(RpcError::conflict(Code::MonotonicClock, message)
             .help("start it with `genomd --clock virtual`"));
     };
+    if supervisor.settings.clock == ClockKind::Ros {
+        let message = "the clock of this daemon follows /clock of ROS 2";
+        return Err(RpcError::conflict(Code::ClockFollows, message)
+            .help("step the simulator, or start the daemon with `genomd --clock virtual`"));
+    }
     let duration = Duration::from_nanos(nanoseconds);
     if duration > LONGEST {
         let message =
@@ -56,14 +61,14 @@ pub(crate) async fn step(
     tokio::task::spawn_blocking(move || clock.step(duration))
         .await
         .map_err(|error| RpcError::internal(error.to_string()))?;
-    Ok(Json(now(&supervisor.clock)))
+    Ok(Json(now(&supervisor)))
 }
 
-fn now(clock: &Clock) -> genom_protocol::Clock {
-    genom_protocol::Clock { clock: kind(clock), now: clock.now() }
+fn now(supervisor: &Supervisor) -> genom_protocol::Clock {
+    genom_protocol::Clock { clock: supervisor.settings.clock, now: supervisor.clock.now() }
 }
 
-/// The kind of a clock.
+/// The kind of a clock, as recordings tell it.
 pub(super) fn kind(clock: &Clock) -> ClockKind {
     match clock {
         Clock::Monotonic => ClockKind::Monotonic,

@@ -42,7 +42,7 @@ pub(crate) fn sources(reading: &Reading, request: &LoadRequest, settings: &Setti
         max_activities: settings.max_activities,
         execution: match settings.clock {
             // It makes no difference there.
-            ClockKind::Virtual => ExecutionKind::Threads,
+            ClockKind::Virtual | ClockKind::Ros => ExecutionKind::Threads,
             ClockKind::Monotonic => settings.execution,
         },
         clock: settings.clock,

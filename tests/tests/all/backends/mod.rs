@@ -3,5 +3,6 @@
 mod cold_starts;
 mod forged;
 mod ros2_peers;
+mod simulated_time;
 mod stalled;
 mod typed_iceoryx2;

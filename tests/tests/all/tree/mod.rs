@@ -1,5 +1,6 @@
 //! Rules for the files of this repository.
 
+mod arrows;
 mod backend_page;
 mod circles;
 mod citations;

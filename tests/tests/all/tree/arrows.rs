@@ -1,0 +1,222 @@
+//! Which crates of the workspace each crate may use.
+
+/// Crates that hold real code, with the crates of ours that each may know (design: arrows point
+/// down only). The daemon is the one place where all of them meet.
+pub(super) const ARROWS: &[(&str, &[&str])] = &[
+    ("genom-types", &["genom-nearest"]),
+    ("genom-text", &["genom-nearest"]),
+    ("genom-description", &["genom-nearest", "genom-text", "genom-types"]),
+    ("genom-description-tools", &["genom-description", "genom-text", "genom-types"]),
+    ("genom-lsp", &["genom-description", "genom-description-tools", "genom-formal"]),
+    ("genom-headers", &[]),
+    ("genom-project", PROJECT),
+    ("genom-genom3", &["genom-description", "genom-description-tools", "genom-project"]),
+    ("genom-drawing", &["genom-protocol"]),
+    ("genom-verdicts", VERDICTS),
+    ("genom-middleware", &["genom-types"]),
+    ("genom-kit", MIDDLEWARE),
+    ("genom-conformance", MIDDLEWARE),
+    ("genom-local", BACKEND),
+    ("genom-example", BACKEND),
+    ("genom-shm", BACKEND),
+    ("genom-zenoh", BACKEND),
+    ("genom-gateway", BACKEND),
+    ("genom-ros2", ROS2),
+    ("genom-rtps-guard", &["genom-kit"]),
+    ("genom-rosidl", &["genom-types"]),
+    ("genom-floor", &[]),
+    ("genom-bench", &["genom-floor", "genom-types"]),
+    ("genom-runtime", RUNTIME),
+    ("genom-monitor", &["genom-description"]),
+    ("genom-formal", &["genom-description", "genom-runtime"]),
+    ("genom-rules", RULES),
+    ("genom-elf", &[]),
+    ("genom-host", HOST),
+    ("genom-blackbox", &[]),
+    ("genom-recording", &["genom-protocol"]),
+    ("genom-interpreter", &["genom-description", "genom-elf", "genom-runtime"]),
+    ("genom-apart", &[]),
+    ("genom-comparison", &["genom-apart", "genom-drawing", "genom-protocol"]),
+    ("genom-stage", &["genom-description", "genom-middleware", "genom-runtime", "genom-types"]),
+    ("genom-archive", ARCHIVE),
+    ("genom-embedding", EMBEDDING),
+    ("genom-timekeeper", TIMEKEEPER),
+    ("genom-client", &["genom-protocol"]),
+    ("genom-client-c", &["genom-client"]),
+    ("genom-doctor", &["genom-protocol"]),
+    ("genom-scenario", &["genom-apart", "genom-nearest", "genom-protocol", "genom-stage"]),
+    ("genom-ports", PORTS),
+    ("genom-bus", &["genom-ports", "genom-protocol"]),
+    ("genom-registry", BACKENDS),
+    ("genom-configuration", CONFIGURATION),
+    ("genom-doors", &["genom-nearest", "genom-proof", "genom-protocol"]),
+    ("genom-web", &["genom-configuration", "genom-doors", "genom-proof", "genom-protocol"]),
+    (
+        "genom-foxglove",
+        &["genom-configuration", "genom-doors", "genom-protocol", "genom-recording"],
+    ),
+    ("genom-supervisor", SUPERVISOR),
+    ("genom-views", VIEWS),
+    ("genom-cells", CELLS),
+    ("genom-limits", &["genom-configuration"]),
+    ("genom-systemd", &["genom-host"]),
+    ("genom-telemetry", TELEMETRY),
+    ("genom-proof", &[]),
+    ("genom-nearest", &[]),
+    ("genom-protocol", &["genom-nearest"]),
+    ("genomctl", GENOMCTL),
+    // The daemon once more, as a library.
+    (
+        "genom-python",
+        &["genom-description", "genom-host", "genom-runtime", "genom-types", "genomd"],
+    ),
+    ("genom-derive", &[]),
+    ("genom", &["genom-derive"]),
+    ("genom-components", &[]),
+    // Components use the SDK, and the types of what they exchange.
+    ("stereo", &["genom", "images"]),
+    ("viewer", &["genom", "images"]),
+    ("genom-allocations", &[]),
+];
+/// `genom`: the table that Rust component libraries export, which the host reads.
+const HOST: &[&str] = &[
+    "genom",
+    "genom-description",
+    "genom-description-tools",
+    "genom-elf",
+    "genom-headers",
+    "genom-interpreter",
+    "genom-middleware",
+    "genom-runtime",
+    "genom-types",
+];
+const RUNTIME: &[&str] = &["genom-description", "genom-middleware", "genom-monitor", "genom-types"];
+const RULES: &[&str] = &["genom-description", "genom-nearest", "genom-protocol", "genom-runtime"];
+const PORTS: &[&str] =
+    &["genom-blackbox", "genom-middleware", "genom-protocol", "genom-runtime", "genom-types"];
+const VIEWS: &[&str] = &[
+    "genom-description",
+    "genom-doctor",
+    "genom-doors",
+    "genom-middleware",
+    "genom-ports",
+    "genom-protocol",
+    "genom-runtime",
+    "genom-supervisor",
+    "genom-types",
+];
+const ARCHIVE: &[&str] =
+    &["genom-cells", "genom-doors", "genom-protocol", "genom-recording", "genom-supervisor"];
+const EMBEDDING: &[&str] = &[
+    "genom-cells",
+    "genom-description",
+    "genom-doors",
+    "genom-host",
+    "genom-ports",
+    "genom-protocol",
+    "genom-runtime",
+    "genom-supervisor",
+    "genom-types",
+    "genom-views",
+];
+const TIMEKEEPER: &[&str] = &[
+    "genom-cells",
+    "genom-middleware",
+    "genom-protocol",
+    "genom-registry",
+    "genom-runtime",
+    "genom-supervisor",
+    "genom-types",
+];
+const CELLS: &[&str] = &[
+    "genom-blackbox",
+    "genom-configuration",
+    "genom-gateway",
+    "genom-host",
+    "genom-kit",
+    "genom-limits",
+    "genom-nearest",
+    "genom-ports",
+    "genom-protocol",
+    "genom-recording",
+    "genom-registry",
+    "genom-runtime",
+    "genom-supervisor",
+];
+/// `genom`: its sources, which are installed for components in Rust.
+const PROJECT: &[&str] =
+    &["genom", "genom-description", "genom-description-tools", "genom-headers", "genom-types"];
+const GENOMCTL: &[&str] = &[
+    "genom-apart",
+    "genom-comparison",
+    "genom-description",
+    "genom-description-tools",
+    "genom-doctor",
+    "genom-drawing",
+    "genom-formal",
+    "genom-genom3",
+    "genom-lsp",
+    "genom-project",
+    "genom-proof",
+    "genom-protocol",
+    "genom-recording",
+    "genom-rosidl",
+    "genom-runtime",
+    "genom-scenario",
+    "genom-stage",
+    "genom-types",
+    "genom-verdicts",
+];
+const VERDICTS: &[&str] = &[
+    "genom-description",
+    "genom-drawing",
+    "genom-formal",
+    "genom-protocol",
+    "genom-recording",
+    "genom-rules",
+    "genom-runtime",
+    "genom-scenario",
+];
+/// The only crate that knows which middlewares exist.
+const BACKENDS: &[&str] = &[
+    "genom-gateway",
+    "genom-local",
+    "genom-middleware",
+    "genom-nearest",
+    "genom-ros2",
+    "genom-shm",
+    "genom-zenoh",
+];
+const CONFIGURATION: &[&str] =
+    &["genom-middleware", "genom-nearest", "genom-protocol", "genom-registry", "genom-runtime"];
+const SUPERVISOR: &[&str] = &[
+    "genom-blackbox",
+    "genom-bus",
+    "genom-configuration",
+    "genom-description",
+    "genom-host",
+    "genom-middleware",
+    "genom-nearest",
+    "genom-ports",
+    "genom-protocol",
+    "genom-registry",
+    "genom-rules",
+    "genom-runtime",
+    "genom-types",
+];
+const TELEMETRY: &[&str] = &[
+    "genom-configuration",
+    "genom-host",
+    "genom-middleware",
+    "genom-nearest",
+    "genom-ports",
+    "genom-protocol",
+    "genom-runtime",
+    "genom-supervisor",
+];
+const MIDDLEWARE: &[&str] = &["genom-middleware", "genom-types"];
+const BACKEND: &[&str] = &["genom-kit", "genom-middleware", "genom-types"];
+const ROS2: &[&str] =
+    &["genom-kit", "genom-middleware", "genom-rosidl", "genom-rtps-guard", "genom-types"];
+/// Crates at the top: they may use any other.
+pub(super) const TOP: &[&str] = &["genomd", "genom-python", "genom-tests"];
