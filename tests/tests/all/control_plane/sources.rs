@@ -15,11 +15,12 @@ fn sources(daemon: &Daemon, name: &str) -> Reply {
 }
 
 /// A daemon with a demo of this name, described by a file of its own with this text at its end.
-fn described(name: &str, more: &str) -> Daemon {
+fn described(name: &str, more: impl AsRef<[u8]>) -> Daemon {
     let daemon = Daemon::start(&[]);
     let demo = component("demo");
     let file = daemon.home().path().join(format!("{name}.gen"));
-    fs::write(&file, fs::read_to_string(&demo.description).unwrap() + more).unwrap();
+    let text = [fs::read(&demo.description).unwrap(), more.as_ref().to_vec()].concat();
+    fs::write(&file, text).unwrap();
     let load = ["load", path(&demo.library), "--name", name, "--gen-file", path(&file)];
     daemon.ctl(&load).expect_code(0);
     daemon
@@ -72,4 +73,20 @@ fn a_description_that_is_too_long_to_be_sent_is_not_loaded() {
     let load = ["load", path(&demo.library), "--name", "long", "--gen-file", path(&file)];
     daemon.ctl(&load).expect_err("it is larger than 16 MiB");
     assert_eq!(sources(&daemon, "long").status, 404);
+}
+
+#[test]
+fn texts_that_are_too_long_once_they_are_decoded_are_refused() {
+    // Latin-1: each byte is two in UTF-8, so what is read as 9 MiB would be sent as 18.
+    let comment = [b"/* ".as_slice(), &vec![0xe9; 9 << 20], b" */\n"].concat();
+    let daemon = described("accented", comment);
+    let reply = sources(&daemon, "accented");
+    assert_eq!((reply.status, reply.code()), (413, "too_large"), "{reply:?}");
+    let error = &reply.body["error"];
+    let message = error["message"].as_str().unwrap();
+    assert!(message.starts_with("the description of accented has 18"), "{message}");
+    assert_eq!(error["help"], "read it from its files");
+    // It runs all the same, and who asks for it by genomctl is told.
+    daemon.ctl(&["verify", "accented"]).expect_code(1).expect_err("has 18");
+    assert_eq!(daemon.json(&["list"])["components"][0]["state"], "running");
 }
