@@ -15,36 +15,45 @@ mod random;
 mod run;
 #[path = "../tests/spin/small.rs"]
 mod small;
+#[path = "../tests/spin/tally.rs"]
+mod tally;
+#[path = "../tests/spin/timed.rs"]
+mod timed;
+
+use std::time::Instant;
+
+use tally::Tally;
 
 fn main() {
     let numbers: Vec<u64> = std::env::args().filter_map(|given| given.parse().ok()).collect();
     let (wanted, first) = (numbers.first().unwrap_or(&50), numbers.get(1).unwrap_or(&0));
-    let (mut components, mut verdicts, mut states, mut large) = (0, 0, 0, 0);
-    for seed in *first.. {
-        if verdicts as u64 >= *wanted {
-            break;
-        }
-        let system = small::random(seed);
-        match compare::compare(&system, 20_000, 4) {
-            Some(compared) => {
-                components += 1;
-                verdicts += compared.verdicts;
-                states += compared.states;
-                println!("seed {seed}: {} states", compared.states);
+    let wanted = usize::try_from(*wanted).unwrap();
+    let begin = Instant::now();
+    let mut all = Tally::default();
+    // Half of the verdicts are about states, three of ten are on formulas, the rest on time.
+    let (states, formulas) = (wanted * 5 / 10, wanted * 8 / 10);
+    let mut add = |until: usize, judge: &dyn Fn(u64) -> Option<Tally>| {
+        let (mut components, mut left_out) = (0, 0);
+        for seed in *first.. {
+            let (hold, fail) = all.equal();
+            if hold + fail >= until || left_out > 1000 {
+                break;
             }
-            None => large += 1,
+            match judge(seed) {
+                Some(tally) => {
+                    components += 1;
+                    tally.different.iter().for_each(|one| println!("seed {seed}: {one}"));
+                    all.add(tally, format_args!("seed {seed}"));
+                }
+                None => left_out += 1,
+            }
         }
-    }
-    println!("{components} components, {verdicts} verdicts and {states} states: no difference");
-    println!("left out, since they have more states: {large}");
-    let mut all = formulas::Judged::default();
-    for judged in (*first..).filter_map(|seed| formulas::judge(seed, 5_000)) {
-        all.add(judged);
-        if (all.never.1 + all.comes.1) as u64 * 5 >= *wanted {
-            break;
-        }
-    }
-    let of = |(hold, all): (usize, usize)| format!("{all}, of which {hold} hold");
-    println!("formulas that something never is: {}", of(all.never));
-    println!("formulas that something comes: {}; no difference", of(all.comes));
+        println!("{components} components; {left_out} have more states, or no such verdict");
+    };
+    add(states, &|seed| Some(compare::compare(&small::random(seed), 20_000, 4)?.tally));
+    add(formulas, &|seed| formulas::judge(seed, 5_000));
+    add(wanted, &|seed| timed::judge(seed, 600));
+    print!("{all}");
+    println!("{:.0?}", begin.elapsed());
+    assert!(all.different.is_empty(), "{:#?}", all.different);
 }

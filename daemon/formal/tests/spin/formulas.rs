@@ -6,22 +6,11 @@ use super::compare::limits;
 use super::random::Random;
 use super::run::Checked;
 use super::small;
+use super::tally::Tally;
 
-/// Verdicts on formulas that something comes, or never is.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Judged {
-    /// About what never is: those that hold, and all.
-    pub(crate) never: (usize, usize),
-    /// About what comes: those that hold, and all.
-    pub(crate) comes: (usize, usize),
-}
-
-impl Judged {
-    pub(crate) fn add(&mut self, other: Self) {
-        let sum = |a: (usize, usize), b: (usize, usize)| (a.0 + b.0, a.1 + b.1);
-        (self.never, self.comes) = (sum(self.never, other.never), sum(self.comes, other.comes));
-    }
-}
+/// Kinds of formulas.
+pub(crate) const NEVER: &str = "something never is";
+pub(crate) const COMES: &str = "something comes";
 
 /// Formulas about a component.
 fn formulas(system: &System, random: &mut Random) -> Vec<String> {
@@ -59,7 +48,7 @@ fn formulas(system: &System, random: &mut Random) -> Vec<String> {
 }
 
 /// Compares the verdicts on formulas of the component of this seed, if it has few states.
-pub(crate) fn judge(seed: u64, most: usize) -> Option<Judged> {
+pub(crate) fn judge(seed: u64, most: usize) -> Option<Tally> {
     let system = small::random(seed);
     // Without shutdown there is more that must come.
     let kill = seed.is_multiple_of(4);
@@ -85,12 +74,11 @@ pub(crate) fn judge(seed: u64, most: usize) -> Option<Judged> {
         model.as_mut().unwrap().push('\n');
     }
     let spin = Checked::of(&model?, false);
-    let mut judged = Judged::default();
+    let mut tally = Tally::default();
     for (at, ((is_never, holds), text)) in ours.into_iter().zip(&texts).enumerate() {
-        assert_eq!(!spin.user(&format!("user{at}")), holds, "seed {seed}: {text}");
-        let count = if is_never { &mut judged.never } else { &mut judged.comes };
-        count.0 += usize::from(holds);
-        count.1 += 1;
+        let kind = if is_never { NEVER } else { COMES };
+        let spins = spin.user(&format!("user{at}")).map(|fails| !fails);
+        tally.note(kind, text, Some(holds), spins);
     }
-    Some(judged)
+    Some(tally)
 }

@@ -12,15 +12,18 @@ mod formulas;
 mod random;
 mod run;
 mod small;
+mod tally;
+mod timed;
 
 use std::path::Path;
 
 use compare::compare;
-use formulas::{Judged, judge};
+use formulas::{COMES, NEVER, judge};
 use genom_description::{Options, read};
 use genom_formal::{Bounds, Duration, Formula, System, Times, Verdict};
 use run::Checked;
 use small::{made, system};
+use tally::Tally;
 
 const MS: u64 = 1_000_000;
 
@@ -30,9 +33,15 @@ fn repository(path: &str, bounds: Bounds) -> System {
     made(read(&[root.join(path)], &Options::default()), bounds)
 }
 
+/// No verdict is another one, and each is one.
+fn all_equal(tally: &Tally) {
+    assert!(tally.different.is_empty(), "{:#?}", tally.different);
+    assert_eq!(tally.undecided(), 0, "{tally}");
+}
+
 #[test]
 fn spin_finds_as_many_states_and_the_same_verdicts_of_random_components() {
-    let (mut components, mut states) = (0, 0);
+    let (mut components, mut states, mut all) = (0, 0, Tally::default());
     for seed in 0.. {
         let system = small::random(seed);
         // Of every third one, the claims, too.
@@ -40,11 +49,13 @@ fn spin_finds_as_many_states_and_the_same_verdicts_of_random_components() {
         if let Some(compared) = compare(&system, 20_000, claims) {
             components += 1;
             states += compared.states;
+            all.add(compared.tally, format_args!("seed {seed}"));
         }
         if components == 4 {
             break;
         }
     }
+    all_equal(&all);
     assert!(states > 1000, "{states}");
 }
 
@@ -56,7 +67,8 @@ fn spin_agrees_on_the_demo_and_on_the_figures_of_the_papers() {
         ("daemon/description/tests/papers/figure-2011.gen", Bounds::default()),
     ] {
         let system = repository(path, bounds);
-        assert!(compare(&system, 200_000, 100).is_some(), "{path}");
+        let compared = compare(&system, 200_000, 100).unwrap_or_else(|| panic!("{path}"));
+        all_equal(&compared.tally);
     }
 }
 
@@ -70,7 +82,7 @@ fn spin_agrees_on_formulas_of_users() {
         let ours = system.check_past(&formula, &limits);
         let ours = ours.or_else(|| system.check_comes(&formula, &limits));
         let ours = ours.map(|verdict| matches!(verdict, Verdict::Violated(_)));
-        (Checked::of(&model, false).user("user"), ours)
+        (Checked::of(&model, false).user("user").unwrap(), ours)
     };
     for (text, expected) in [
         ("[] !(codel(demo_servo) && codel(demo_brake))", false),
@@ -88,18 +100,33 @@ fn spin_agrees_on_formulas_of_users() {
 
 #[test]
 fn spin_agrees_on_random_formulas_that_something_comes_or_never_is() {
-    let (mut all, mut components) = (Judged::default(), 0);
-    for judged in (0..).filter_map(|seed| judge(seed, 1_500)) {
-        all.add(judged);
+    let (mut all, mut components) = (Tally::default(), 0);
+    for (seed, tally) in (0..).filter_map(|seed| Some((seed, judge(seed, 1_500)?))) {
+        all.add(tally, format_args!("seed {seed}"));
         components += 1;
         if components == 3 {
             break;
         }
     }
+    all_equal(&all);
     // Some hold, and some do not.
-    for (hold, of) in [all.never, all.comes] {
-        assert!(0 < hold && hold < of, "{all:?}");
+    for kind in [NEVER, COMES] {
+        let (hold, fail) = all.of(kind);
+        assert!(hold > 0 && fail > 0, "{all}");
     }
+}
+
+#[test]
+fn spin_agrees_on_which_tasks_of_random_components_are_late() {
+    let mut all = Tally::default();
+    for (seed, tally) in (0..).filter_map(|seed| Some((seed, timed::judge(seed, 150)?))) {
+        all.add(tally, format_args!("seed {seed}"));
+        let (in_time, late) = all.equal();
+        if !all.different.is_empty() || in_time > 1 && late > 0 && in_time + late >= 5 {
+            break;
+        }
+    }
+    all_equal(&all);
 }
 
 #[test]
@@ -121,7 +148,7 @@ fn spin_agrees_on_the_bound_of_two_tasks_that_share_data() {
         for (task, late) in [("fast", late), ("slow", false)] {
             let ours = report.tasks.iter().find(|report| report.name == task).unwrap();
             assert_eq!(!ours.overrun.is_empty(), late, "{task}, {most} ms");
-            assert_eq!(spin.claim(&format!("in_time_{task}")), late, "{task}, {most} ms");
+            assert_eq!(spin.claim(&format!("in_time_{task}")), Some(late), "{task}, {most} ms");
         }
     }
 }

@@ -37,21 +37,21 @@ impl Checked {
     }
 
     /// All states, and whether an assertion fails or one has no next step.
-    pub(crate) fn all(&self) -> Found {
+    pub(crate) fn all(&self) -> Option<Found> {
         self.compiled("all", &["-DNOCLAIM"]);
         self.found("all", &[])
     }
 
     /// Whether a claim fails.
-    pub(crate) fn claim(&self, name: &str) -> bool {
+    pub(crate) fn claim(&self, name: &str) -> Option<bool> {
         if !self.folder.path().join("claims").exists() {
             self.compiled("claims", &[]);
         }
-        self.found("claims", &["-N", name]).errors > 0
+        Some(self.found("claims", &["-N", name])?.errors > 0)
     }
 
     /// Whether a formula of a user fails, if each process goes on that can.
-    pub(crate) fn user(&self, name: &str) -> bool {
+    pub(crate) fn user(&self, name: &str) -> Option<bool> {
         let path = self.folder.path();
         if !path.join("user").exists() {
             let model = std::fs::read_to_string(path.join("model.pml")).unwrap();
@@ -59,7 +59,7 @@ impl Checked {
             let all = ["-O0", "-w", &fair, "-DMEMLIM=2048", "-DVECTORSZ=4096", "-o", "user"];
             run(Path::new("cc"), &[&all[..], &["pan.c"]].concat(), path);
         }
-        self.found("user", &["-a", "-f", "-N", name]).errors > 0
+        Some(self.found("user", &["-a", "-f", "-N", name])?.errors > 0)
     }
 
     fn compiled(&self, program: &str, options: &[&str]) {
@@ -67,11 +67,12 @@ impl Checked {
         run(Path::new("cc"), &[&all[..], options].concat(), self.folder.path());
     }
 
-    fn found(&self, program: &str, options: &[&str]) -> Found {
+    /// `None` if it came to a limit before it had seen all or found an error.
+    fn found(&self, program: &str, options: &[&str]) -> Option<Found> {
         let path = self.folder.path().join(program);
         let options = [&["-m2000000"], options].concat();
         let text = run(&path, &options, self.folder.path());
-        assert!(!text.contains("max search depth too small"), "{text}");
+        let limits = ["max search depth too small", "reached -DMEMLIM", "out of memory"];
         let number = |from: &str, before: bool| {
             let at = text.find(from).unwrap_or_else(|| panic!("no `{from}` in: {text}"));
             let part = if before { &text[..at] } else { &text[at + from.len()..] };
@@ -82,7 +83,10 @@ impl Checked {
             };
             word.unwrap().parse::<f64>().unwrap() as u64
         };
-        Found { errors: number("errors:", false), states: number("states, stored", true) }
+        let states = number("states, stored", true);
+        let found = Found { errors: number("errors:", false), states };
+        let ended = limits.iter().any(|limit| text.contains(limit));
+        (found.errors > 0 || !ended).then_some(found)
     }
 }
 
