@@ -1,15 +1,19 @@
 //! Orders and formulas over what happens in a component, judged as it happens: each event costs a
-//! fixed number of steps and no memory. Threads, dates and names are others' concern: `genom-runtime`
-//! judges what happens, `genom-formal` what may happen.
+//! fixed number of steps and no memory. Dates and names are others' concern: `genom-runtime` judges
+//! what happens, `genom-formal` what may happen.
 
 #![forbid(unsafe_code)]
 
 mod happening;
 mod order;
 mod past;
+mod place;
 mod program;
+mod sequence;
 
 pub use happening::{Happening, Hearers, Numbers};
 pub use order::{MOST_STEPS, NoOrder, Order};
 pub use past::Bounds;
+pub use place::Places;
 pub use program::{Judge, MOST_PARTS, NoProgram, Part, Program};
+pub use sequence::Sequence;

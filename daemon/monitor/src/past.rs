@@ -33,30 +33,45 @@ impl Bounds {
 #[derive(Clone, Debug)]
 pub(crate) struct Past {
     bounds: Bounds,
-    /// Of these the first `count`, in order.
-    dates: Box<[u64]>,
+    kept: Kept,
+    /// How many dates are kept.
     count: usize,
+    /// The date that is kept, where one is enough.
+    date: u64,
+    /// Otherwise, of these the first `count`, in order.
+    dates: Box<[u64]>,
+}
+
+/// Which dates are kept.
+#[derive(Clone, Copy, Debug)]
+enum Kept {
+    /// The last one, which is the nearest.
+    Last,
+    /// The first one, which is the farthest.
+    First,
+    /// Those that bounds so far from each other need.
+    Between(u64),
 }
 
 impl Past {
     pub(crate) fn new(bounds: Bounds) -> Self {
-        let dates = bounds.dates().unwrap_or(1);
-        Self { bounds, dates: vec![0; dates].into_boxed_slice(), count: 0 }
+        let (kept, room) = match bounds {
+            Bounds { least: 0, .. } => (Kept::Last, 0),
+            Bounds { most: u64::MAX, .. } => (Kept::First, 0),
+            Bounds { least, most } => {
+                (Kept::Between(most.saturating_sub(least)), bounds.dates().unwrap_or(1))
+            }
+        };
+        Self { bounds, kept, count: 0, date: 0, dates: vec![0; room].into_boxed_slice() }
     }
 
     /// It holds at this date, which is none before those of earlier calls.
+    #[inline]
     pub(crate) fn add(&mut self, now: u64) {
-        let Bounds { least, most } = self.bounds;
-        if least == 0 {
-            // The last date is the nearest.
-            (self.dates[0], self.count) = (now, 1);
-        } else if most == u64::MAX {
-            // The first is the farthest.
-            if self.count == 0 {
-                (self.dates[0], self.count) = (now, 1);
-            }
-        } else {
-            self.add_between(now, most - least);
+        match self.kept {
+            Kept::First if self.count > 0 => {}
+            Kept::Last | Kept::First => (self.date, self.count) = (now, 1),
+            Kept::Between(width) => self.add_between(now, width),
         }
     }
 
@@ -96,13 +111,17 @@ impl Past {
     }
 
     /// Whether it held between the bounds before this date.
+    #[inline]
     pub(crate) fn held(&self, now: u64) -> bool {
         let Bounds { least, most } = self.bounds;
         let within = |date: &u64| {
             let ago = now.saturating_sub(*date);
             least <= ago && ago <= most
         };
-        self.dates[..self.count].iter().any(within)
+        match self.kept {
+            Kept::Last | Kept::First => self.count > 0 && within(&self.date),
+            Kept::Between(_) => self.dates[..self.count].iter().any(within),
+        }
     }
 }
 

@@ -226,6 +226,7 @@ impl Judge {
 
     /// What is heard under this number happens at this date. Returns the part because of which the
     /// formula does not hold.
+    #[inline]
     pub fn hear(&mut self, letter: usize, now: u64) -> Option<usize> {
         let given = self.truths.get(letter).copied().unwrap_or_default();
         let (starts, ends) = self.moves.get(letter).copied().unwrap_or_default();
@@ -264,6 +265,7 @@ impl Judge {
     }
 
     /// The smallest part because of which this one does not hold, as far as one is to blame.
+    #[cold]
     fn blamed(&self, mut at: usize) -> usize {
         let holds = |at: u8| self.before >> at & 1 == 1;
         loop {

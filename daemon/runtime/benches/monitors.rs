@@ -11,39 +11,46 @@ use std::sync::mpsc::channel;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use genom_runtime::{Beats, Bounds, CodelIx, Happening, Order, Part, Program, Rule, Supervised};
+use genom_runtime::{
+    Beats, Bounds, CodelIx, Happening, Ix as _, Order, Part, Program, Rule, ServiceIx, Supervised,
+};
 use support::closures::{Closures, Codel, LONG};
 
 const CALLS: u64 = 2_000_000;
-/// Runs of each, of which the fastest counts.
-const RUNS: usize = 5;
+/// Runs of each, of which the fastest counts: one of all after the other, so that what disturbs the
+/// machine for a while disturbs all.
+const RUNS: usize = 12;
 
 /// A rule about the calls of a codel.
 type Make = fn(Vec<CodelIx>) -> Rule;
 
 fn main() {
-    let bare = (0..RUNS).map(|_| bare()).fold(f64::MAX, f64::min);
-    println!("codel alone                          {bare:8.1} ns a call");
-    let none = fastest(0, deadline);
-    println!("in a task, no rule                   {none:8.1} ns a call");
-    let kinds: [(&str, Make); 5] = [
+    let kinds: [(&str, Make); 7] = [
         ("deadline", deadline),
         ("heartbeat", heartbeat),
         ("order", order),
         ("formula: a -> once[0, 1 s] a", formula),
         ("formula of 16 parts", long_formula),
+        // What else they hear of happens in other threads, if it does.
+        ("order of several threads", shared_order),
+        ("formula of several threads", shared_formula),
     ];
-    for (name, make) in kinds {
-        for count in [1, 8] {
-            let ns = fastest(count, make);
-            let each = (ns - none) / count as f64;
-            println!("{count} x {name:32} {ns:8.1} ns a call, {each:6.1} ns each");
+    let counted = |(name, make)| [1, 8].map(|count| (name, count, make, f64::MAX));
+    let mut all: Vec<(&str, usize, Make, f64)> = kinds.into_iter().flat_map(counted).collect();
+    let (mut alone, mut none) = (f64::MAX, f64::MAX);
+    for _ in 0..RUNS {
+        alone = alone.min(bare());
+        none = none.min(with_rules(0, deadline));
+        for (_, count, make, ns) in &mut all {
+            *ns = ns.min(with_rules(*count, *make));
         }
     }
-}
-
-fn fastest(count: usize, make: Make) -> f64 {
-    (0..RUNS).map(|_| with_rules(count, make)).fold(f64::MAX, f64::min)
+    println!("codel alone                          {alone:8.1} ns a call");
+    println!("in a task, no rule                   {none:8.1} ns a call");
+    for (name, count, _, ns) in all {
+        let each = (ns - none) / count as f64;
+        println!("{count} x {name:32} {ns:8.1} ns a call, {each:6.1} ns each");
+    }
 }
 
 fn counting(done: impl Fn() + Send + Sync + 'static) -> Codel {
@@ -111,14 +118,32 @@ fn calls(codels: &[CodelIx]) -> Vec<Happening> {
     codels.iter().map(|codel| Happening::Call(*codel)).collect()
 }
 
+/// Something that happens outside tasks.
+fn elsewhere() -> Happening {
+    Happening::Accept(ServiceIx::new(0))
+}
+
 fn order(codels: Vec<CodelIx>) -> Rule {
-    let events = vec![("c".to_owned(), calls(&codels))];
+    of_events(vec![("c".to_owned(), calls(&codels))])
+}
+
+fn shared_order(codels: Vec<CodelIx>) -> Rule {
+    of_events(vec![("c".to_owned(), [calls(&codels), vec![elsewhere()]].concat())])
+}
+
+fn of_events(events: Vec<(String, Vec<Happening>)>) -> Rule {
     Rule::Order(Order::new(vec!["a".into(), "b".into()], events, &[(0, 0, 1), (1, 0, 0)]).unwrap())
 }
 
 fn formula(codels: Vec<CodelIx>) -> Rule {
     let within = Bounds { least: 0, most: 1_000_000_000 };
     program(vec![Part::Happens(calls(&codels)), Part::Once(within, 0), Part::Implies(0, 1)])
+}
+
+fn shared_formula(codels: Vec<CodelIx>) -> Rule {
+    let within = Bounds { least: 0, most: 1_000_000_000 };
+    let heard = [calls(&codels), vec![elsewhere()]].concat();
+    program(vec![Part::Happens(heard), Part::Once(within, 0), Part::Implies(0, 1)])
 }
 
 /// Once after once, each with bounds.

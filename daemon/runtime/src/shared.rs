@@ -15,7 +15,7 @@ use crate::exclusion::{Exclusion, PiLock};
 use crate::figures::{CodelFigures, TaskFigures};
 use crate::histogram::Counter;
 use crate::plan::Plan;
-use crate::rules::{Fact, Rules, Seen, Supervised};
+use crate::rules::{Fact, Rules, Seen};
 use crate::task::call::Call;
 use crate::task::hurry::Hurry;
 use crate::task::timing::{RESPONSE, Timing};
@@ -92,7 +92,7 @@ impl Shared {
         clock: Clock,
         timings: Indexed<TaskIx, Option<Timing>>,
         call: Option<Arc<Call>>,
-        rules: Vec<Supervised>,
+        rules: Rules,
     ) -> Self {
         let model = plan.component();
         let sinks = model.sinks.len().div_ceil(64);
@@ -107,7 +107,7 @@ impl Shared {
                 .map(|timing| TaskShared::new(timing, sinks, call.clone()))
                 .collect(),
             codels: model.codels.places().map(|ix| CodelFigures::new(plan.yields(ix))).collect(),
-            rules: Rules::new(plan, rules),
+            rules,
             at_work: (0..contexts).map(|_| AtWork::default()).collect(),
             control: OnceLock::new(),
             call,

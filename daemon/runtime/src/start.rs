@@ -16,7 +16,7 @@ use crate::executor::Member;
 use crate::lock::lock;
 use crate::options::{Execution, GiveUp, Options, TaskOptions};
 use crate::plan::Plan;
-use crate::rules::MOST_RULES;
+use crate::rules::{MOST_RULES, Rules};
 use crate::running::{RunningCodel, seconds};
 use crate::shared::Shared;
 use crate::task::driven::DrivenTask;
@@ -137,6 +137,7 @@ impl Engine {
         let mut rules = std::mem::take(&mut options.rules);
         rules.truncate(MOST_RULES);
         let supervised = !rules.is_empty();
+        let rules = Rules::new(plan, rules, options.resume.is_some());
         let shared = Arc::new(Shared::new(plan, body, clock.clone(), timings, call, rules));
         let watched = options.watcher.is_some();
         let (links, sides): (Vec<_>, Vec<_>) =

@@ -361,6 +361,58 @@ fn an_event_a_request_and_a_stop_are_heard_of_where_they_happen() {
 }
 
 #[test]
+fn a_rule_about_one_task_tells_the_same_as_one_that_several_threads_move_on() {
+    let body = component(&[]);
+    let (tick, turn) = (calls(&body, "tick"), calls(&body, "turn"));
+    // What makes a rule one of several threads, and does not happen here.
+    let elsewhere = [vec![], vec![Happening::Accept(service(&body, "hang"))]];
+    let order = |never: &Vec<Happening>| {
+        let ticks = [tick.clone(), never.clone()].concat();
+        let events = vec![("tick".into(), ticks), ("turn".into(), turn.clone())];
+        let states = vec!["ticked".into(), "turned".into()];
+        Rule::Order(Order::new(states, events, &[(0, 1, 1), (1, 0, 0)]).unwrap())
+    };
+    let formula = |never: &Vec<Happening>| {
+        let within = Bounds { least: 5_000_000, most: 15_000_000 };
+        let all = [turn.clone(), never.clone()].concat();
+        program(vec![
+            (Part::Happens(tick.clone()), "tick"),
+            (Part::Happens(all), "turn"),
+            (Part::Once(within, 1), "once[5 ms, 15 ms] turn"),
+            (Part::Implies(0, 2), "tick -> once[5 ms, 15 ms] turn"),
+        ])
+    };
+    let beat = |others: &[&str]| {
+        let of = others.iter().flat_map(|name| codels(&body, name)).collect();
+        let (least, longest) = (11 * MS, 40 * MS);
+        Rule::Beat { of: Beats::Codels(of), least, longest, during: None }
+    };
+    let [own, shared] = &elsewhere;
+    let rules = vec![
+        order(own),
+        order(shared),
+        formula(own),
+        formula(shared),
+        beat(&["tick"]),
+        beat(&["tick", "zero"]),
+    ];
+    let (instance, told, clock) = stepped(&body, rules, false);
+    clock.step(20 * MS);
+    let _round = request(&instance, "round");
+    clock.step(30 * MS);
+    let all = told.all();
+    let of = |rule: usize| {
+        let own = all.iter().filter(move |one| one.rule == rule);
+        own.map(|one| (one.date, one.what.clone())).collect::<Vec<_>>()
+    };
+    for rule in [0, 2, 4] {
+        assert!(of(rule).len() >= 2, "{all:?}");
+        assert_eq!(of(rule), of(rule + 1));
+    }
+    instance.shutdown(LONG).unwrap();
+}
+
+#[test]
 fn threads_that_meet_at_a_formula_lose_nothing_and_wait_for_nobody() {
     const CALLS: u64 = 20_000;
     let counts = [(); 3].map(|()| Arc::new(AtomicU64::new(0)));

@@ -380,7 +380,7 @@ impl Engine {
         let bound = shared.rules.bound(codel);
         if bound.called {
             let aside = |seen| self.seen_aside(seen);
-            shared.rules.hear(Happening::Call(codel), 0, called, aside);
+            shared.rules.hear(Happening::Call(codel), 0, called, None, aside);
         }
         let (at_work, since) = (&shared.at_work[context], shared.clock.real(called));
         at_work.begins(codel, 0, since);
@@ -388,8 +388,8 @@ impl Engine {
         at_work.ends();
         if bound.returns {
             let (now, aside) = (shared.clock.now(), |seen| self.seen_aside(seen));
-            shared.rules.wrote(shared.body.as_ref(), codel, 0, now, aside);
-            shared.rules.hear(Happening::Return(codel), 0, now, aside);
+            shared.rules.wrote(shared.body.as_ref(), codel, 0, now, None, aside);
+            shared.rules.hear(Happening::Return(codel), 0, now, None, aside);
         }
         drop(permit);
         let ns = shared.clock.now().saturating_sub(called);

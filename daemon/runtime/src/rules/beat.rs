@@ -15,6 +15,8 @@ pub(super) struct Beat {
     pub(super) rule: usize,
     least: u64,
     longest: u64,
+    /// All that concerns it happens in one thread.
+    sole: bool,
     /// Only while activities run: how many do. `None` for always.
     running: Option<AtomicU32>,
     /// Twice the date from which on the next beat is waited for, and one more if that is the date of
@@ -33,13 +35,14 @@ pub(super) enum Pulse {
 }
 
 impl Beat {
-    pub(super) fn new(rule: usize, least: u64, longest: u64, during: bool) -> Self {
+    pub(super) fn new(rule: usize, (least, longest): (u64, u64), during: bool, sole: bool) -> Self {
         let date = || AtomicU64::new(NONE);
         let running = during.then(AtomicU32::default);
-        Self { rule, least, longest, running, from: date(), told: date() }
+        Self { rule, least, longest, sole, running, from: date(), told: date() }
     }
 
     /// Something that concerns it happens at this date; returns what that breaks.
+    #[inline]
     pub(super) fn hear(&self, pulse: Pulse, now: u64) -> Option<Fact> {
         match pulse {
             Pulse::Beats => self.beats(now),
@@ -53,21 +56,40 @@ impl Beat {
             Pulse::Ends => {
                 let less = |running: u32| running.checked_sub(1);
                 let running = self.running.as_ref()?;
-                let before = running.fetch_update(Ordering::AcqRel, Ordering::Acquire, less);
+                let before = running.fetch_update(Ordering::SeqCst, Ordering::Acquire, less);
                 if before != Ok(1) {
                     return None;
                 }
-                let from = self.from.swap(NONE, Ordering::AcqRel);
+                let from = self.moves_to(NONE);
                 self.is_late(from, now, self.longest.saturating_add(1))
             }
         }
     }
 
+    /// From now on the next beat is waited for from another date; returns the one before.
+    #[inline]
+    fn moves_to(&self, from: u64) -> u64 {
+        if self.sole {
+            let before = self.from.load(Ordering::Acquire);
+            self.from.store(from, Ordering::Release);
+            return before;
+        }
+        self.from.swap(from, Ordering::SeqCst)
+    }
+
+    #[inline]
     fn beats(&self, now: u64) -> Option<Fact> {
-        if self.running.as_ref().is_some_and(|running| running.load(Ordering::Acquire) == 0) {
+        let none = |running: &AtomicU32| running.load(Ordering::SeqCst) == 0;
+        if self.running.as_ref().is_some_and(none) {
             return None;
         }
-        let from = self.from.swap(now << 1 | BEAT, Ordering::AcqRel);
+        let beat = now << 1 | BEAT;
+        let from = self.moves_to(beat);
+        if !self.sole && self.running.as_ref().is_some_and(none) {
+            // The last activity ended meanwhile, in another thread: nothing is waited for.
+            let (done, failed) = (Ordering::SeqCst, Ordering::Relaxed);
+            let _ = self.from.compare_exchange(beat, NONE, done, failed);
+        }
         let since = now.saturating_sub(from >> 1);
         if from != NONE && from & BEAT > 0 && since < self.least {
             return Some(Fact::Soon { ns: since });
@@ -114,30 +136,34 @@ mod tests {
 
     #[test]
     fn a_beat_too_early_too_late_or_never_is_told_once_each() {
-        let beat = Beat::new(0, 8, 12, false);
-        assert_eq!((beat.due(), beat.look(100)), (None, None), "nothing is waited for yet");
-        beat.awaits_always(100);
-        assert_eq!(beat.due(), Some(112));
-        assert_eq!(beat.hear(Pulse::Beats, 103), None, "the first may come at once");
-        assert_eq!(beat.hear(Pulse::Beats, 110), Some(Fact::Soon { ns: 7 }));
-        assert_eq!(beat.hear(Pulse::Beats, 122), None, "the longest time is in time");
-        assert_eq!(beat.look(133), None);
-        assert_eq!(beat.look(134), Some(Fact::Late { ns: 12 }));
-        assert_eq!((beat.look(140), beat.due()), (None, None));
-        assert_eq!(beat.hear(Pulse::Beats, 150), None, "it was told");
-        assert_eq!(beat.hear(Pulse::Beats, 163), Some(Fact::Late { ns: 13 }));
+        for sole in [false, true] {
+            let beat = Beat::new(0, (8, 12), false, sole);
+            assert_eq!((beat.due(), beat.look(100)), (None, None), "nothing is waited for yet");
+            beat.awaits_always(100);
+            assert_eq!(beat.due(), Some(112));
+            assert_eq!(beat.hear(Pulse::Beats, 103), None, "the first may come at once");
+            assert_eq!(beat.hear(Pulse::Beats, 110), Some(Fact::Soon { ns: 7 }));
+            assert_eq!(beat.hear(Pulse::Beats, 122), None, "the longest time is in time");
+            assert_eq!(beat.look(133), None);
+            assert_eq!(beat.look(134), Some(Fact::Late { ns: 12 }));
+            assert_eq!((beat.look(140), beat.due()), (None, None));
+            assert_eq!(beat.hear(Pulse::Beats, 150), None, "it was told");
+            assert_eq!(beat.hear(Pulse::Beats, 163), Some(Fact::Late { ns: 13 }));
+        }
     }
 
     #[test]
     fn a_beat_that_depends_on_activities_is_waited_for_while_one_runs() {
-        let beat = Beat::new(0, 8, 12, true);
-        beat.awaits_always(0);
-        assert_eq!((beat.due(), beat.hear(Pulse::Beats, 5)), (None, None));
-        assert_eq!(beat.hear(Pulse::Begins, 10), None);
-        assert_eq!(beat.hear(Pulse::Begins, 15), None);
-        assert_eq!(beat.due(), Some(22));
-        assert_eq!(beat.hear(Pulse::Ends, 20), None);
-        assert_eq!(beat.hear(Pulse::Ends, 25), Some(Fact::Late { ns: 15 }));
-        assert_eq!((beat.due(), beat.look(90)), (None, None));
+        for sole in [false, true] {
+            let beat = Beat::new(0, (8, 12), true, sole);
+            beat.awaits_always(0);
+            assert_eq!((beat.due(), beat.hear(Pulse::Beats, 5)), (None, None));
+            assert_eq!(beat.hear(Pulse::Begins, 10), None);
+            assert_eq!(beat.hear(Pulse::Begins, 15), None);
+            assert_eq!(beat.due(), Some(22));
+            assert_eq!(beat.hear(Pulse::Ends, 20), None);
+            assert_eq!(beat.hear(Pulse::Ends, 25), Some(Fact::Late { ns: 15 }));
+            assert_eq!((beat.due(), beat.look(90)), (None, None));
+        }
     }
 }

@@ -63,13 +63,14 @@ impl Engine {
         let rules = &self.shared.rules;
         if rules.hears(what) {
             let now = self.shared.clock.now();
-            rules.hear(what, activity, now, |seen| self.seen_aside(seen));
+            rules.hear(what, activity, now, None, |seen| self.seen_aside(seen));
         }
     }
 
     /// Something happened before the instance went on from another one, which told what it broke.
     pub(crate) fn happened(&self, what: Happening) {
-        self.shared.rules.hear(what, 0, self.shared.clock.now(), |_| {});
+        let now = self.shared.clock.now();
+        self.shared.rules.hear(what, 0, now, None, |_| {});
     }
 
     /// Activities over their time, and ticks missed, at this date.

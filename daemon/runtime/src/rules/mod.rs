@@ -3,7 +3,7 @@
 //!
 //! The thread that runs a codel compares its duration with one limit, and looks at two flags. Where
 //! they are set it moves heartbeats, orders and formulas on, by index, without allocation and
-//! without waiting for others. What breaks a rule is counted and sent through a ring to control,
+//! without waiting for others; those that no other thread moves on, without atomic operations. What breaks a rule is counted and sent through a ring to control,
 //! which tells it. A codel that has not returned, a heartbeat that does not come, and ticks that a
 //! task misses meanwhile, are seen by whoever calls
 //! [`Instance::supervise`](crate::Instance::supervise).
@@ -11,16 +11,18 @@
 mod alive;
 mod beat;
 mod broken;
+mod ear;
+mod formulas;
 mod hear;
 mod look;
 mod table;
-mod traced;
 
 use std::time::Duration;
 
 use genom_description::model::{CodelIx, Owner, PortIx, ServiceIx, StateIx, TaskIx};
 
 pub(crate) use broken::{Fact, Seen};
+pub(crate) use formulas::Formulas;
 pub use genom_monitor::{
     Bounds, Happening, Judge, MOST_PARTS, MOST_STEPS, NoOrder, NoProgram, Order, Part, Program,
 };

@@ -9,13 +9,14 @@ use genom_description::model::{
 
 use super::alive::Window;
 use super::broken::{Fact, Seen};
+use super::formulas::Formulas;
 use super::hear::Hearing;
 use super::{Rule, Supervised};
 use crate::body::Body;
 use crate::clock::nanos;
 use crate::lock::{Guard, lock};
 use crate::plan::Plan;
-use genom_monitor::Happening;
+use genom_monitor::{Happening, Places};
 
 /// Most violations by requests that wait for control.
 const MOST_ASIDE: usize = 64;
@@ -73,7 +74,8 @@ pub(crate) struct Rules {
 }
 
 impl Rules {
-    pub(crate) fn new(plan: &Plan, all: Vec<Supervised>) -> Self {
+    /// Those of an instance; whether it goes on from another one.
+    pub(crate) fn new(plan: &Plan, all: Vec<Supervised>, resumes: bool) -> Self {
         let model = plan.component();
         let longest = |codel: CodelIx, wcet: u64| {
             let limits = all.iter().flat_map(|one| match &one.rule {
@@ -89,7 +91,7 @@ impl Rules {
                 _ => false,
             })
         };
-        let hearing = Hearing::new(model, &all);
+        let hearing = Hearing::new(Places { model, resumes }, &all);
         let bound = |(ix, codel): (CodelIx, &genom_description::model::Codel)| {
             let wcet = codel.wcet.map_or(u64::MAX, nanos);
             let called = hearing.hears(Happening::Call(ix));
@@ -184,9 +186,23 @@ impl Rules {
         self.hearing.hears(what)
     }
 
-    /// Something happens; tells what breaks rules.
-    pub(crate) fn hear(&self, what: Happening, activity: u32, date: u64, tell: impl FnMut(Seen)) {
-        self.hearing.hear(what, activity, date, tell);
+    /// The formulas that the thread of this task alone moves on, at their beginning.
+    pub(crate) fn own(&self, task: TaskIx) -> Formulas {
+        self.hearing.own(task, &self.all)
+    }
+
+    /// Something happens; tells what breaks rules. `own` are the formulas of the task in whose thread
+    /// it happens, if it is one.
+    #[inline]
+    pub(crate) fn hear(
+        &self,
+        what: Happening,
+        activity: u32,
+        date: u64,
+        own: Option<&mut Formulas>,
+        tell: impl FnMut(Seen),
+    ) {
+        self.hearing.hear(what, activity, date, own, tell);
     }
 
     /// A codel of an activity has returned: the ports that it wrote.
@@ -196,9 +212,10 @@ impl Rules {
         codel: CodelIx,
         activity: u32,
         date: u64,
+        own: Option<&mut Formulas>,
         tell: impl FnMut(Seen),
     ) {
-        self.hearing.wrote(body, codel, activity, date, tell);
+        self.hearing.wrote(body, codel, activity, date, own, tell);
     }
 
     /// What broke rules, of what threads left to others.

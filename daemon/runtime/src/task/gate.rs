@@ -10,7 +10,7 @@ use super::core::Core;
 use super::run::Run;
 use crate::exclusion::PiLock;
 use crate::lock::lock;
-use crate::rules::Seen;
+use crate::rules::{Formulas, Seen};
 use crate::shared::Notice;
 
 /// A task's ends of the rings to and from control, which are bounded and wait-free.
@@ -29,6 +29,8 @@ pub(crate) struct TaskSide {
 pub(crate) struct Inside {
     pub(crate) core: Core,
     pub(crate) side: TaskSide,
+    /// Formulas that this task's thread alone moves on.
+    pub(crate) own: Formulas,
     /// Date at which the last cycle began: the ticks until then are served, or missed.
     pub(crate) passed: u64,
 }

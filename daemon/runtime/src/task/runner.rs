@@ -10,7 +10,7 @@ use super::core::{Calls, Core, Passed};
 use super::gate::{Gate, Inside, TaskSide};
 use super::run::{Mode, Run, RunOutcome, Token};
 use crate::body::Returned;
-use crate::rules::{Fact, Happening, Seen};
+use crate::rules::{Fact, Formulas, Happening, Seen};
 use crate::shared::{Notice, Shared};
 
 /// One task of an instance; driven by a thread, or by the thread that steps a virtual clock.
@@ -35,7 +35,8 @@ impl Runner {
         let fired = Vec::with_capacity(model.sinks.len());
         // Capacity for all runs that the task can have at once: it never allocates.
         let core = Core::new(side.inbox.buffer().capacity() + 2, by_period);
-        let gate = Arc::new(Gate::new(Inside { core, side, passed: 0 }));
+        let gate =
+            Arc::new(Gate::new(Inside { core, side, own: shared.rules.own(task), passed: 0 }));
         Self { shared, task, gate, fired, started: false, end: 0 }
     }
 
@@ -79,18 +80,18 @@ impl Runner {
             }
         }
         inside.admit_sent();
-        let Inside { core, side, .. } = &mut *inside;
+        let Inside { core, side, own, .. } = &mut *inside;
         shared.tasks[task].take_fired(&shared.plan, &mut self.fired);
         if core.is_empty() {
             return Passed::default();
         }
         let TaskSide { notices, broken, outbox, .. } = side;
-        let mut calls = Caller { shared, task, now, notices, broken };
+        let mut calls = Caller { shared, task, now, notices, broken, own };
         let passed = core.pass(&shared.plan, runnable, &self.fired, &mut calls);
         self.end = calls.now;
         if passed.moved {
             let end = calls.now;
-            hand_back((shared.as_ref(), task), end, core, (outbox, broken));
+            hand_back((shared.as_ref(), task), end, core, (outbox, broken, own));
         }
         drop(inside);
         if passed.moved {
@@ -122,8 +123,9 @@ impl Runner {
         shared.tasks[self.task].figures.cycles.begins(now);
         if shared.rules.cycle(self.task).heard {
             let mut inside = self.gate.lock();
-            let (what, broken) = (Happening::Cycle(self.task), &mut inside.side.broken);
-            shared.rules.hear(what, 0, now, |seen| shared.violated(broken, seen));
+            let Inside { side, own, .. } = &mut *inside;
+            let (what, broken) = (Happening::Cycle(self.task), &mut side.broken);
+            shared.rules.hear(what, 0, now, Some(own), |seen| shared.violated(broken, seen));
         }
     }
 
@@ -166,7 +168,7 @@ fn hand_back(
     (shared, task): (&Shared, TaskIx),
     end: u64,
     core: &mut Core,
-    (outbox, broken): (&mut Producer<Box<Run>>, &mut Option<Producer<Seen>>),
+    (outbox, broken, own): (&mut Producer<Box<Run>>, &mut Option<Producer<Seen>>, &mut Formulas),
 ) {
     let mut any = false;
     core.take_ended(|mut run| {
@@ -175,7 +177,8 @@ fn hand_back(
             shared.rules.ends(run.machine);
             if let Some(service) = service_of(shared, &run) {
                 let what = Happening::End(service);
-                shared.rules.hear(what, run.id, end, |seen| shared.violated(broken, seen));
+                let tell = |seen| shared.violated(broken, seen);
+                shared.rules.hear(what, run.id, end, Some(&mut *own), tell);
             }
         }
         let machine = &shared.plan.machines()[run.machine];
@@ -202,6 +205,7 @@ struct Caller<'a> {
     now: u64,
     notices: &'a mut Option<Producer<Notice>>,
     broken: &'a mut Option<Producer<Seen>>,
+    own: &'a mut Formulas,
 }
 
 impl Caller<'_> {
@@ -213,18 +217,20 @@ impl Caller<'_> {
 
     /// An activity does something that rules may hear of.
     fn happens(&mut self, run: &Run, what: Happening) {
-        let Self { shared, now, broken, .. } = self;
-        shared.rules.hear(what, run.id, *now, |seen| shared.violated(broken, seen));
+        let Self { shared, now, broken, own, .. } = self;
+        shared.rules.hear(what, run.id, *now, Some(&mut **own), |seen| {
+            shared.violated(broken, seen);
+        });
     }
 
     /// A codel has returned, which rules hear of, and may have written ports that they hear of.
     /// What it excluded is still excluded, so that all hear this before what comes after it.
     fn returned(&mut self, run: &Run, codel: CodelIx) {
-        let Self { shared, broken, .. } = self;
+        let Self { shared, broken, own, .. } = self;
         let (body, now) = (shared.body.as_ref(), shared.clock.now());
         let mut tell = |seen| shared.violated(broken, seen);
-        shared.rules.wrote(body, codel, run.id, now, &mut tell);
-        shared.rules.hear(Happening::Return(codel), run.id, now, tell);
+        shared.rules.wrote(body, codel, run.id, now, Some(&mut **own), &mut tell);
+        shared.rules.hear(Happening::Return(codel), run.id, now, Some(&mut **own), tell);
     }
 }
 
