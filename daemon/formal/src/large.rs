@@ -72,7 +72,7 @@ impl System {
         }
         for (task, found) in tasks.iter().zip(&mut report.tasks) {
             let Some(sum) = sum(&found.name).filter(|_| found.open) else { continue };
-            let run = self.parts(sum).iter().find_map(|part| {
+            let run = self.parts(times, sum).iter().find_map(|part| {
                 let limits = Limits { states: limits.states.min(ZONES), ..limits.first() };
                 seek(part, times, &limits, &Potential::new(part, times, *task)?)
             });
@@ -101,15 +101,19 @@ impl System {
     }
 
     /// Parts of the component that may show that a task is late: with the services in its dearest
-    /// cycle and those that it may wait for, without aborts and events; then with all services; then
-    /// as the bounds say.
-    fn parts(&self, task: &Scheduled) -> Vec<Self> {
+    /// cycle, if it may be late with these alone; with those that it may wait for as well; then with
+    /// all; then as the bounds say, with aborts and events. Where more can be waited for, there is
+    /// more to look at before a cycle that is late without.
+    fn parts(&self, times: &Times, task: &Scheduled) -> Vec<Self> {
         let services = || 0..small(self.services.len());
         let called = || task.called.iter();
-        let mut meant: Vec<u16> = Vec::new();
+        let named = |service: &u16| {
+            let name = Some(self.service_name(*service));
+            called().any(|one| one.activity == name)
+        };
+        let own: Vec<u16> = services().filter(named).collect();
+        let mut meant = own.clone();
         for one in called() {
-            let named = |service: &u16| one.activity.as_ref() == Some(&self.service_name(*service));
-            meant.extend(services().filter(named));
             for waits in &one.waits {
                 meant.extend(services().filter(|service| self.executes(*service, &waits.codel)));
             }
@@ -117,17 +121,25 @@ impl System {
         for other in &task.meanwhile {
             meant.extend(services().filter(|service| self.runs_in(*service, &other.of)));
         }
-        let meant: Vec<u16> = meant.into_iter().flat_map(|service| needed(self, service)).collect();
+        let needed = |services: Vec<u16>| -> Vec<u16> {
+            services.into_iter().flat_map(|service| needed(self, service)).collect()
+        };
         // Of some activities the dearest cycle has several.
         let codels: Vec<(&Option<String>, &String)> =
             called().map(|one| (&one.activity, &one.codel)).collect();
         let several = codels.iter().enumerate().any(|(at, one)| codels[..at].contains(one));
-        let mut part = self.slice(&meant);
-        (part.bounds.abort, part.bounds.fire) = (false, false);
-        part.bounds.instances = if several { self.bounds.instances } else { 1 };
-        let mut whole = self.clone();
-        whole.bounds = part.bounds;
-        vec![part, whole, self.clone()]
+        let instances = if several { self.bounds.instances } else { 1 };
+        let bounds = crate::Bounds { abort: false, fire: false, instances, ..self.bounds };
+        let few = |mut part: Self| {
+            part.bounds = bounds;
+            part
+        };
+        let alone = few(self.slice(&needed(own)));
+        let sums = alone.bounded(times, Processors::Own, 0);
+        let late = |sum: &Scheduled| sum.name == task.name && sum.response.is_err();
+        let alone = sums.tasks.iter().any(late).then_some(alone);
+        let others = [few(self.slice(&needed(meant))), few(self.clone()), self.clone()];
+        alone.into_iter().chain(others).collect()
     }
 
     /// Whether a service, or its activity, executes a codel of this name.

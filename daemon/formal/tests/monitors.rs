@@ -139,9 +139,24 @@ fn steps_of_state_machines_are_found_where_they_are_taken() {
 }
 
 #[test]
+fn bounds_that_only_ask_for_more_leave_what_breaks_a_formula_and_those_for_less_what_never_does() {
+    // The port is not written before the first call.
+    let run = check(json!({"formula": "move -> once[0, 2s] pose"}), "can: codel move was called");
+    assert!(run.contains(&"client: requests goto".to_owned()), "{run:#?}");
+    check(json!({"formula": "move -> not historically[0, 2s] not pose"}), {
+        "can: codel move was called"
+    });
+    // Nothing runs before.
+    check(json!({"formula": "init -> historically[0, 2s] not move"}), "never");
+    check(json!({"formula": "init -> not once[0, 2s] move"}), "never");
+}
+
+#[test]
 fn what_is_not_explored_is_said_to_be_undecided() {
     for (rule, why) in [
-        (json!({"formula": "move -> once[0, 2s] pose"}), "its bounds ask for dates"),
+        (json!({"formula": "pose -> once[0, 2s] move"}), "without them nothing breaks it"),
+        (json!({"formula": "move -> not once[1s, 2s] clear"}), "without them it can be broken"),
+        (json!({"formula": "once[0, 2s] pose -> once[0, 1s] move"}), "its bounds ask for dates"),
         (json!({"formula": "emergency -> once move"}), "event emergency was fired"),
         (json!({"formula": "move -> once t"}), "a cycle of task t began"),
         (json!({"stuck": true}), "does not return"),

@@ -7,6 +7,8 @@ mod support;
 use genom_formal::{Bounds, Limits, Property, System, Verdict};
 use support::limits;
 
+#[path = "sizes/component.rs"]
+mod component;
 #[path = "conformance/components.rs"]
 mod components;
 #[path = "conformance/random.rs"]
@@ -186,6 +188,19 @@ fn a_pause_without_ticks_is_answered_only_if_something_else_happens() {
         found(&text(""), &[Property::Answer]),
         ["answer: a request of go may never be answered: it pauses in start, and its task has no \
           period: that takes something else to happen"]
+    );
+}
+
+#[test]
+fn what_may_never_be_answered_is_found_in_a_component_with_three_tasks_and_seven_activities() {
+    // Its tasks alone have more than 50,000 states.
+    let size = component::Size { tasks: 3, activities: 7, functions: 3 };
+    let text = component::component(&mut random::Random(0), size);
+    let found = found(&text, &[Property::Start, Property::Answer]);
+    let [told] = &found[..] else { panic!("{found:?}") };
+    assert!(
+        told.contains("may never be answered: it pauses in main, and its task has no"),
+        "{told}"
     );
 }
 

@@ -4,6 +4,7 @@
 //! with that of the system. What a task does from the return of a codel to its next call is one step:
 //! nothing of others comes between.
 
+mod bounded;
 mod deadline;
 mod fires;
 mod heard;
@@ -12,6 +13,7 @@ mod step;
 
 use genom_runtime::{Happening, Part, Program, Rule};
 
+use self::bounded::Without;
 pub use self::fires::Fires;
 use self::fires::undecided;
 use crate::explore::Limits;
@@ -72,9 +74,21 @@ impl System {
     }
 
     fn formula(&self, program: &Program, limits: &Limits) -> Fires {
-        if program.has_bounds() {
-            return undecided("its bounds ask for dates, which are not explored");
+        if !program.has_bounds() {
+            return self.search(&search::Watched::Formula(program), limits);
         }
-        self.search(&search::Watched::Formula(program), limits)
+        match bounded::without(program) {
+            Some((how, other)) => {
+                let fires = self.search(&search::Watched::Formula(&other), limits);
+                match (&fires, how) {
+                    (Fires::Never, Without::Weaker) => undecided(bounded::HOLDS),
+                    (Fires::Can { .. } | Fires::Always { .. }, Without::Stronger) => {
+                        undecided(bounded::FAILS)
+                    }
+                    _ => fires,
+                }
+            }
+            None => undecided(bounded::DATES),
+        }
     }
 }

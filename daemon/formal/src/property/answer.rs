@@ -21,6 +21,7 @@ use genom_description::model::{Ix as _, ServiceIx};
 use crate::action::{Action, Answer};
 use crate::codels::small;
 use crate::explore::{Limit, Limits};
+use crate::machines::Machine;
 use crate::memory::{ENTRY, listed};
 use crate::pack::{pack, unpacked};
 use crate::state::State;
@@ -33,7 +34,7 @@ const TABLES: usize =
     ENTRY + listed::<(u32, Step)>() + listed::<bool>() + 2 * size_of::<u32>() + 1 + listed::<u32>();
 const STEP: usize = listed::<(u32, u32)>() + size_of::<u32>();
 /// States of one part, at most.
-const PART: usize = 50_000;
+const PART: usize = 200_000;
 
 /// Whether all requests are answered. Of a component that is known to be large not all states are
 /// looked at before its rules and its parts.
@@ -72,31 +73,33 @@ fn seen(system: &System, limits: &Limits) -> Result<Verdict, Limit> {
 /// runs until it is asked to; while it sleeps no answer is due. One that is pending waits for some
 /// that were asked to.
 pub(super) fn by_rules(system: &System) -> bool {
-    let activities = system.machines.iter().filter(|machine| machine.service.is_some());
-    let mut all = activities.map(|machine| {
-        let may = |state: u16, wanted: fn(&Answer) -> bool| {
-            let codel = machine.codel(state).map(|codel| &system.codels[usize::from(codel)]);
-            codel.is_some_and(|codel| codel.answers.iter().any(wanted))
-        };
-        let ends = |from: u16| {
-            let mut states = reached(system, machine, from, false).into_iter().chain([from]);
-            states.all(|state| match machine.codel(state) {
-                None => state == from,
-                Some(_) => ends_from(system, machine, state, true),
-            })
-        };
-        let sleeps = |from: u16| {
-            let mut states = reached(system, machine, from, false).into_iter().chain([from]);
-            states.any(|state| may(state, |answer| matches!(answer, Answer::Sleep(_))))
-        };
-        let waits = |answer: &Answer| matches!(answer, Answer::Pause(_) | Answer::Sleep(_));
-        let ticks = !system.is_aperiodic(machine.task)
-            || !(0..small(machine.codels.len())).any(|state| may(state, waits));
-        let goes_on = is_endless(system, machine) || ends(machine.start);
-        let mut later = system.sinks.iter().chain([&machine.stop]);
-        ticks && goes_on && later.all(|from| ends(*from) && !sleeps(*from))
-    });
-    all.all(|ends| ends)
+    let mut activities = system.machines.iter().filter(|machine| machine.service.is_some());
+    activities.all(|machine| ends_by_rules(system, machine))
+}
+
+/// Whether the rules alone say so of one activity.
+fn ends_by_rules(system: &System, machine: &Machine) -> bool {
+    let may = |state: u16, wanted: fn(&Answer) -> bool| {
+        let codel = machine.codel(state).map(|codel| &system.codels[usize::from(codel)]);
+        codel.is_some_and(|codel| codel.answers.iter().any(wanted))
+    };
+    let ends = |from: u16| {
+        let mut states = reached(system, machine, from, false).into_iter().chain([from]);
+        states.all(|state| match machine.codel(state) {
+            None => state == from,
+            Some(_) => ends_from(system, machine, state, true),
+        })
+    };
+    let sleeps = |from: u16| {
+        let mut states = reached(system, machine, from, false).into_iter().chain([from]);
+        states.any(|state| may(state, |answer| matches!(answer, Answer::Sleep(_))))
+    };
+    let waits = |answer: &Answer| matches!(answer, Answer::Pause(_) | Answer::Sleep(_));
+    let ticks = !system.is_aperiodic(machine.task)
+        || !(0..small(machine.codels.len())).any(|state| may(state, waits));
+    let goes_on = is_endless(system, machine) || ends(machine.start);
+    let mut later = system.sinks.iter().chain([&machine.stop]);
+    ticks && goes_on && later.all(|from| ends(*from) && !sleeps(*from))
 }
 
 /// Requests that are not answered if clients request few services. They are not answered in the whole
@@ -109,10 +112,15 @@ fn by_parts(system: &System, limits: &Limits) -> Option<Vec<Finding>> {
         let found = Graph::new(&part, &most.share(begin, 0)).unanswered(&part);
         (!found.is_empty()).then_some(found)
     };
-    let activities = || {
-        let services = 0..small(system.services.len());
-        services.filter(|service| system.services[usize::from(*service)].machine.is_some())
-    };
+    // First those of which the rules do not say that they end.
+    let (mut first, mut others) = (Vec::new(), Vec::new());
+    for (service, facts) in (0u16..).zip(&system.services) {
+        let Some(machine) = facts.machine else { continue };
+        let ends = ends_by_rules(system, &system.machines[usize::from(machine)]);
+        if ends { &mut others } else { &mut first }.push(service);
+    }
+    first.extend(others);
+    let activities = || first.iter().copied();
     let alone = activities().map(|service| {
         let mut part = system.slice(&needed(system, service));
         (part.bounds.instances, part.bounds.requests) = (1, 1);

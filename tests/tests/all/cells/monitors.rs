@@ -157,7 +157,7 @@ fn verify_says_of_each_rule_whether_it_can_be_broken() {
         "formula = \"end(goto) -> once start(goto)\"",
         "service = \"goto\"\nafter = \"set_speed\"",
         "formula = \"not goto\"",
-        "formula = \"goto -> once[0, 1s] set_speed\"",
+        "formula = \"end(goto) -> once[0, 1s] start(goto)\"",
     ]));
     let (demo, config) = (component("demo").description, home.path().join("genomd.toml"));
     let args = ["verify", path(&demo), "--property", "loop", "--config", path(&config)];
