@@ -28,8 +28,9 @@ fn duo(most: u64) -> TimedReport {
 
 #[test]
 fn a_cycle_that_ends_at_its_next_tick_is_an_overrun() {
-    // States and zones: a change of these is a change of the rules, or of the exploration. TChecker
-    // stores as many zones for 6 ms, and 77 for 8 ms: why one more is not known.
+    // States and zones: a change of these is a change of the rules, or of the exploration
+    // (`docs/verify.md` compares them). TChecker stores as many zones for 6 ms, and for 8 ms one more:
+    // that of the location `late_fast`, which only the exported model has.
     for (most, overruns, size) in [(6, false, (28, 51)), (7, true, (39, 70)), (8, true, (39, 76))] {
         let report = duo(most);
         assert_eq!(report.limit(), None);

@@ -90,12 +90,17 @@ pub(crate) fn stepped(
     action: Action,
     (to, after): (&State, &[Clock]),
 ) -> Option<Zone> {
+    settle(system, times, (to, after), carried((before, zone), action, after))
+}
+
+/// The values of the clocks after a step, before time passes.
+pub(super) fn carried((before, zone): (&[Clock], &Zone), action: Action, after: &[Clock]) -> Zone {
     let source = |clock: &Clock| {
         let begins = begins(*clock, action);
         if begins { None } else { before.iter().position(|old| old == clock).map(|at| at + 1) }
     };
     let sources: Vec<Option<usize>> = after.iter().map(source).collect();
-    settle(system, times, (to, after), zone.select(&sources))
+    zone.select(&sources)
 }
 
 /// Whether a clock begins anew by a step, if it runs after it.
@@ -118,12 +123,19 @@ pub(crate) fn greatest(system: &System, times: &Times, state: &State, clock: Clo
 }
 
 /// Lets time pass in a state, for as long as it may.
-fn settle(
+fn settle(system: &System, times: &Times, to: (&State, &[Clock]), zone: Zone) -> Option<Zone> {
+    let (mut zone, guards) = passed(system, times, to, zone)?;
+    zone.extrapolate(&guards);
+    Some(zone)
+}
+
+/// The same, with what later steps compare the clocks with.
+pub(super) fn passed(
     system: &System,
     times: &Times,
     (state, clocks): (&State, &[Clock]),
     mut zone: Zone,
-) -> Option<Zone> {
+) -> Option<(Zone, Vec<Guards>)> {
     if !is_urgent(system, state) {
         zone.up();
     }
@@ -143,6 +155,5 @@ fn settle(
         };
         guards.push(Guards { least, most });
     }
-    zone.extrapolate(&guards);
-    Some(zone)
+    Some((zone, guards))
 }

@@ -3,6 +3,8 @@
 mod clocks;
 mod dates;
 mod explore;
+#[cfg(test)]
+mod golden;
 mod potential;
 mod report;
 mod respond;
