@@ -66,6 +66,8 @@ class Record(Kind):
         self.members: List[Tuple[str, int, int]] = [
             (python_name(m["name"]), m["offset"], m["type"]) for m in one["members"]
         ]
+        # As the description has them.
+        self.given_names: List[str] = [m["name"] for m in one["members"]]
         self._classes: Dict[bool, Any] = {}
 
     def ctype(self, const: bool) -> Any:
