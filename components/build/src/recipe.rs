@@ -81,6 +81,8 @@ pub(crate) fn all(root: &Path) -> Result<Vec<Recipe>, BuildError> {
     let components = root.join("components");
     let demo = components.join("demo");
     let images = files(&components.join("images"), &["idl"])?;
+    // The simulator itself needs MuJoCo: `genomctl build` makes it (docs/simulators.md).
+    let robot = files(&components.join("sim"), &["idl"])?;
     let mut recipes = vec![
         Recipe::new("demo", "demo", demo.clone())?,
         Recipe::new("demo-2010", "demo", demo.join("papers/2010"))?,
@@ -92,6 +94,8 @@ pub(crate) fn all(root: &Path) -> Result<Vec<Recipe>, BuildError> {
         Recipe::new("camera", "camera", components.join("camera"))?.sharing(&images),
         Recipe::new("stereo", "stereo", components.join("stereo"))?.sharing(&images).in_rust(),
         Recipe::new("viewer", "viewer", components.join("viewer"))?.sharing(&images).in_rust(),
+        Recipe::new("servo", "servo", components.join("servo"))?.sharing(&robot),
+        Recipe::new("planner", "planner", components.join("planner"))?.sharing(&robot).in_python(),
     ];
     for directory in folders(&components.join("faults"))? {
         let name = directory.file_name().unwrap_or_default().to_string_lossy().into_owned();

@@ -62,8 +62,10 @@ fn a_changed_source_is_built_again_and_an_error_names_the_line() {
     let workspace = Paths::of_workspace().unwrap();
     let copy = tempfile::tempdir().unwrap();
     let root = copy.path();
-    let components =
-        ["demo", "demo-cpp", "demo-py", "mission", "images", "camera", "stereo", "viewer"];
+    let components = [
+        "demo", "demo-cpp", "demo-py", "mission", "images", "camera", "stereo", "viewer", "sim",
+        "servo", "planner",
+    ];
     let components = components.map(|name| format!("components/{name}"));
     for folder in components.iter().map(String::as_str).chain(["plugin-api/include"]) {
         copy_folder(&workspace.root.join(folder), &root.join(folder));

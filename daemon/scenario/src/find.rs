@@ -1,4 +1,5 @@
-//! The files of scenarios: those that were named, and those in directories that were.
+//! The files of scenarios: those that were named, and those in directories that were. Scripts in
+//! Python are found, and not read.
 
 use std::fs;
 use std::io;
@@ -19,15 +20,15 @@ pub enum NoSuite {
         source: io::Error,
     },
     /// There are no scenarios in a directory.
-    #[error("{}: no file *.toml with a [[scenario]] there", .0.display())]
+    #[error("{}: no file *.toml with a [[scenario]] there, and no *.py that imports genom.scenario", .0.display())]
     None(PathBuf),
     /// Files have mistakes.
     #[error("{}", .0.iter().map(Mistakes::to_string).collect::<Vec<_>>().join("\n"))]
     Mistakes(Vec<Mistakes>),
 }
 
-/// Reads files, and all files `*.toml` with scenarios in directories and below them, in the order
-/// of their names.
+/// Reads files, and all files `*.toml` with scenarios and `*.py` that import `genom.scenario` in
+/// directories and below them, in the order of their names.
 ///
 /// # Errors
 /// One cannot be read, a directory has none, or files have mistakes: those of all files.
@@ -45,6 +46,10 @@ pub fn find(paths: &[PathBuf]) -> Result<Vec<Suite>, NoSuite> {
             return Err(NoSuite::None(path.clone()));
         }
         for (file, text) in found {
+            if is_script(&file) {
+                suites.push(Suite::script(file));
+                continue;
+            }
             match Suite::read(&file, &text) {
                 Ok(suite) => suites.push(suite),
                 Err(error) => mistakes.push(error),
@@ -61,6 +66,19 @@ fn read(path: &Path) -> Result<String, NoSuite> {
     fs::read_to_string(path).map_err(|source| NoSuite::Read { path: path.to_owned(), source })
 }
 
+fn is_script(file: &Path) -> bool {
+    file.extension().is_some_and(|extension| extension == "py")
+}
+
+/// Whether a script imports what makes functions scenarios.
+fn has_scenarios(text: &str) -> bool {
+    text.lines().any(|line| {
+        let mut words = line.split_whitespace();
+        let (first, second) = (words.next(), words.next());
+        matches!(first, Some("from" | "import")) && second == Some("genom.scenario")
+    })
+}
+
 /// Adds the files of scenarios in a directory. Links to directories are not followed: they may lead
 /// back.
 fn walk(directory: &Path, found: &mut Vec<(PathBuf, String)>) -> Result<(), NoSuite> {
@@ -74,9 +92,17 @@ fn walk(directory: &Path, found: &mut Vec<(PathBuf, String)>) -> Result<(), NoSu
     for path in paths {
         if path.is_dir() && !path.is_symlink() {
             walk(&path, found)?;
-        } else if path.extension().is_some_and(|extension| extension == "toml") && path.is_file() {
+            continue;
+        }
+        let one: fn(&str) -> bool = match path.extension().and_then(|extension| extension.to_str())
+        {
+            Some("toml") => Suite::is_one,
+            Some("py") => has_scenarios,
+            _ => continue,
+        };
+        if path.is_file() {
             let text = read(&path)?;
-            if Suite::is_one(&text) {
+            if one(&text) {
                 found.push((path, text));
             }
         }
@@ -98,6 +124,8 @@ mod tests {
             ("a.toml", suite),
             ("robot.toml", "backend = \"shm\"\n"),
             ("notes.txt", "no scenario"),
+            ("c.py", "import os\n\nfrom genom.scenario import scenario\n"),
+            ("codels.py", "import genom\n"),
             ("more/c.toml", suite),
         ] {
             fs::write(place.path().join(name), text).unwrap();
@@ -106,12 +134,20 @@ mod tests {
             let all = find(&[path.to_owned()]).unwrap().into_iter();
             all.map(|suite| suite.file.strip_prefix(path).unwrap().to_owned()).collect::<Vec<_>>()
         };
-        assert_eq!(names(place.path()), ["a.toml", "b.toml", "more/c.toml"].map(PathBuf::from));
+        assert_eq!(
+            names(place.path()),
+            ["a.toml", "b.toml", "c.py", "more/c.toml"].map(PathBuf::from)
+        );
         fs::write(place.path().join("b.toml"), "[[scenario").unwrap();
         let told = find(&[place.path().to_owned()]).unwrap_err().to_string();
         assert!(told.contains("b.toml:1:"), "{told}");
         let empty = tempfile::tempdir().unwrap();
         let told = find(&[empty.path().to_owned()]).unwrap_err().to_string();
-        assert!(told.ends_with("no file *.toml with a [[scenario]] there"), "{told}");
+        assert!(
+            told.ends_with(
+                "no file *.toml with a [[scenario]] there, and no *.py that imports genom.scenario"
+            ),
+            "{told}"
+        );
     }
 }

@@ -22,6 +22,6 @@ pub use model::{
     Action, Codels, Ended, Expected, Fault, Harm, Run, Scenario, Setup, Step, Suite, Takes,
 };
 pub use play::{Daemon, Progress, Trouble, play};
-pub use report::{Outcome, Played, Report, Unmet};
+pub use report::{Outcome, Played, Report, ScenarioReport, Unmet};
 pub use setup::{NoSetup, Overrides};
 pub use source::{Mistakes, Place};

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use genom_protocol::{Address, ConnectionEntry, ConnectionRequest, LoadRequest, TaskEntry};
 use genom_stage::Script;
+use serde::Deserialize;
 use serde_json::Value;
 
 use crate::source::Place;
@@ -16,6 +17,34 @@ pub struct Suite {
     pub file: PathBuf,
     /// In the order of the file.
     pub scenarios: Vec<Scenario>,
+    /// Whether it is a script, which an interpreter lists and plays.
+    pub script: bool,
+}
+
+impl Suite {
+    /// A script, of which nothing is known yet.
+    #[must_use]
+    pub fn script(file: PathBuf) -> Self {
+        Self { file, scenarios: Vec::new(), script: true }
+    }
+}
+
+impl Scenario {
+    /// A scenario of a script, from what its interpreter lists: a line of JSON.
+    ///
+    /// # Errors
+    /// It is something else.
+    pub fn listed(line: &str) -> serde_json::Result<Self> {
+        let Listed { name, line } = serde_json::from_str(line)?;
+        let place = Place { line, column: 1 };
+        Ok(Self { name, place, setup: Setup::default(), steps: Vec::new(), run: None })
+    }
+}
+
+#[derive(Deserialize)]
+struct Listed {
+    name: String,
+    line: usize,
 }
 
 /// A scenario: it begins with a daemon of its own, at time zero.

@@ -18,7 +18,7 @@ from .runner._lists import Array, SequenceKind
 from .runner._records import Record, Union_
 from .runner._types import Types
 
-_VALUE_AT = 64
+VALUE_AT = 64
 _GONE_AT = 8
 # Without it, which is so before Python 3.13, the file of each memory stays open here, too.
 _FORGET: Dict[str, Any] = {"trackfd": False} if sys.version_info >= (3, 13) else {}
@@ -40,10 +40,10 @@ class SharedPort:
         self._forget = forget
         self._kind = _kind(layout)
         # Mapped until the last view is gone.
-        self._memory = mmap.mmap(file, _VALUE_AT + self._kind.size, **_FORGET)
+        self._memory = mmap.mmap(file, VALUE_AT + self._kind.size, **_FORGET)
         self._written = ctypes.c_uint64.from_buffer(self._memory)
         self._gone = ctypes.c_uint32.from_buffer(self._memory, _GONE_AT)
-        self._at = ctypes.addressof(self._written) + _VALUE_AT
+        self._at = ctypes.addressof(self._written) + VALUE_AT
         self._const = not is_in
         # Values that are views stay where they are: one serves for all time.
         lasting = isinstance(self._kind, (Record, Array, SequenceKind, Union_))

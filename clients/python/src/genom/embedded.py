@@ -14,14 +14,19 @@ import sysconfig
 import tempfile
 import time
 import weakref
-from typing import Any, List, NoReturn, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Dict, List, NoReturn, Optional, Sequence, Union
 
 from ._door import Door
+from ._faults import Faults, Relay
 from ._http import Transport, url
 from ._place import Place
 from ._target import resolve
+from .activity import Activity, Status
 from .client import Client
 from .errors import DaemonError, RefusalError
+
+if TYPE_CHECKING:
+    from ._passed import Passed
 
 # Seconds that the daemon may take to stop, beyond what its components may.
 _STOPPING = 20.0
@@ -96,7 +101,10 @@ class Daemon(Client):
             ) from why
         # Also when this object is forgotten, or the program ends.
         self._finish = weakref.finalize(self, _end, self._process, ours, place, name)
-        self._stepped = 0
+        self._stepped = self._now = 0
+        self._faults = Faults(self)
+        # Ports of components in cells.
+        self._passed: List[Passed] = []
         self._begun: Optional[float] = None
         self._door = Door(ours, self._lost)
         try:
@@ -110,6 +118,25 @@ class Daemon(Client):
     def pid(self) -> int:
         """The process of the daemon."""
         return self._process.pid
+
+    def deployed(self, within: float = 60.0) -> None:
+        """Waits until all runs that the configuration names: components, connections, activities.
+
+        Raises the reason if it does not within so many seconds of the machine.
+        """
+        end = time.monotonic() + within
+        while True:
+            try:
+                self._transport.request("GET", "/ready?wait=0.2&deployed=true")
+                return
+            except RefusalError as error:
+                if error.name != "not_ready" or time.monotonic() >= end:
+                    raise
+
+    @property
+    def now(self) -> float:
+        """The time of the clock in seconds, as of the last step."""
+        return self._now / 1e9
 
     @property
     def real_time_factor(self) -> float:
@@ -129,25 +156,110 @@ class Daemon(Client):
         nanoseconds = round(seconds * 1e9)
         if not 0 <= nanoseconds < 2**63:
             raise ValueError(f"a step of {seconds} s is none")
+        return self._advance(nanoseconds) / 1e9
+
+    def finish(self, activity: Activity, within: float = 60.0) -> Dict[str, Any]:
+        """Steps the clock, from the end of one period to the next, until an activity has ended;
+        returns its outputs, or raises its exception.
+
+        Raises TimeoutError if it has not after ``within`` seconds of the clock; it goes on then.
+        """
+        period, end = self._faults.period(), self._now + round(within * 1e9)
+        # What is due now comes first.
+        self._advance(0)
+        while activity.status == Status.SENT:
+            if self._now >= end:
+                raise TimeoutError(f"{activity} still runs after {within} s of the clock")
+            self._advance(min(period - self._now % period, end - self._now))
+        return activity.wait()
+
+    def fault(
+        self,
+        port: Union[str, Place],
+        *,
+        drop: bool = False,
+        delay: Optional[float] = None,
+        corrupt: Any = None,
+        every: int = 1,
+        samples: Optional[int] = None,
+    ) -> None:
+        """From now on a connection does not work; ``port`` is the in port that reads it.
+
+        Each sample is hit, or each third one with ``every=3``, or the first five with ``samples=5``:
+        it is lost with ``drop``, comes ``delay`` seconds later, or has the members ``corrupt`` in place
+        of its own. Another fault of the same port replaces the first.
+        """
+        if [drop, delay is not None, corrupt is not None].count(True) != 1:
+            raise ValueError("a fault is one of drop=True, delay=SECONDS, corrupt=VALUE")
+        if every < 1 or (samples is not None and samples < 0) or (delay is not None and delay < 0):
+            raise ValueError("every is 1 or more, samples and delay are not negative")
+        address = port.address() if isinstance(port, Place) else port
+        late = None if delay is None else round(delay * 1e9)
+        self._faults.add(Relay(address, drop, late, corrupt, every, samples))
+
+    def repair(self, port: Union[str, Place]) -> None:
+        """A connection that had a fault is as it was; samples on their way are lost."""
+        self._faults.repair(port.address() if isinstance(port, Place) else port)
+
+    def kill(self, cell: str) -> None:
+        """Kills the process of a cell, and returns when it is back, or is to stay down."""
+        before = self._cell(cell)
+        if before.get("pid") is None:
+            raise RefusalError("cell_down", f"cell {cell} is {before['state']}")
+        os.kill(before["pid"], signal.SIGKILL)
+        while True:
+            now = self._cell(cell)
+            back = now["state"] == "running" and now["starts"] > before["starts"]
+            if back or now["state"] == "failed":
+                return
+            # Processes end and start in the machine's time.
+            time.sleep(0.005)
+
+    def _cell(self, name: str) -> Dict[str, Any]:
+        cells = self._transport.request("GET", "/cells")["cells"]
+        found = next((one for one in cells if one["name"] == name), None)
+        if found is None:
+            there = ", ".join(one["name"] for one in cells) or "there is none"
+            raise RefusalError("no_such_cell", f"no cell {name}: {there}")
+        return dict(found)
+
+    def _advance(self, nanoseconds: int) -> int:
+        """Steps the clock; returns its time in nanoseconds."""
         if self._begun is None:
             self._begun = time.perf_counter()
-        now = self._door.step(nanoseconds)
+        for port in self._passed:
+            port.publish()
+        if self._faults:
+            self._now = self._faults.step(nanoseconds, self._door.step)
+        else:
+            self._now = self._door.step(nanoseconds)
         self._stepped += nanoseconds
-        return now / 1e9
+        for port in self._passed:
+            port.show()
+        return self._now
 
     def port(self, port: Union[str, Place], element: Optional[str] = None) -> Any:
         """Shares the memory of a port, ``component/port`` or ``component.port``.
 
         Of an in port, `data` is what the next `write` publishes; of an out port, `data` is what codels
         have written last, as of the last step. Its type has to be of one size, without unbounded
-        strings or sequences, and its component in the process of the daemon, not in a cell.
+        strings or sequences. Of a component in a cell nothing is shared: `data` is memory of this
+        program, and each step passes it on, by a request for each such port.
         """
+        from ._passed import passed
         from ._shared import SharedPort, shared
 
         address = port.address(element) if isinstance(port, Place) else port
         if not isinstance(port, Place) and element is not None:
             address = f"{address}/{element}"
-        number, is_in, size, digest, file = self._door.open(address)
+        try:
+            number, is_in, size, digest, file = self._door.open(address)
+        except RefusalError as why:
+            there = passed(self, address, why)
+            if there is None:
+                raise
+            self._passed.append(there)
+            return there.port
 
         def forget() -> None:
             # Nobody is there to forget it when the daemon has ended.

@@ -37,7 +37,7 @@ impl Suite {
         let directory = file.parent().unwrap_or(Path::new(""));
         let scenarios = read(root.get_ref(), text, directory, &found);
         match found.take() {
-            none if none.is_empty() => Ok(Self { file: file.to_owned(), scenarios }),
+            none if none.is_empty() => Ok(Self { file: file.to_owned(), scenarios, script: false }),
             list => Err(mistakes(list)),
         }
     }

@@ -59,7 +59,8 @@ fn suite(writer: &mut Writer<Vec<u8>>, suite: &SuiteReport) -> io::Result<()> {
 fn case(writer: &mut Writer<Vec<u8>>, file: &str, one: &ScenarioReport) -> io::Result<()> {
     let (name, line, time) = (sound(&one.name), one.line.to_string(), one.played.nanoseconds);
     let time = decimal(time);
-    let class = file.strip_suffix(".toml").unwrap_or(file).replace('/', ".");
+    let stem = file.strip_suffix(".toml").or_else(|| file.strip_suffix(".py"));
+    let class = stem.unwrap_or(file).replace('/', ".");
     let element = writer.create_element("testcase").with_attributes([
         ("classname", class.trim_start_matches('.')),
         ("name", &name),

@@ -5,7 +5,7 @@ mod text;
 
 use std::path::PathBuf;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::model::Scenario;
 
@@ -28,7 +28,7 @@ pub struct SuiteReport {
 }
 
 /// What came of a scenario.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub struct ScenarioReport {
     /// Its name.
     pub name: String,
@@ -43,7 +43,7 @@ pub struct ScenarioReport {
 }
 
 /// How far a scenario got.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub struct Played {
     /// Steps that held.
     pub steps: usize,
@@ -52,7 +52,7 @@ pub struct Played {
 }
 
 /// How a scenario ended.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(tag = "outcome", content = "why", rename_all = "snake_case")]
 pub enum Outcome {
     /// All steps held.
@@ -64,7 +64,7 @@ pub enum Outcome {
 }
 
 /// What did not hold.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub struct Unmet {
     /// Line of the step in the file, or of the scenario if it did not begin.
     pub line: usize,
@@ -77,7 +77,7 @@ pub struct Unmet {
     /// What was.
     pub came: String,
     /// What the daemon advises.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub help: Option<String>,
 }
 
@@ -106,6 +106,19 @@ impl Outcome {
             step: step.map_or("begin".to_owned(), |step| format!("step {} of the run", step + 1)),
             nanoseconds: at,
             expected: "that it is possible".to_owned(),
+            came: why.to_owned(),
+            help: None,
+        })
+    }
+
+    /// A script of which nobody knows how far it got did not end.
+    #[must_use]
+    pub fn not_ended(scenario: &Scenario, why: &str) -> Self {
+        Self::Error(Unmet {
+            line: scenario.place.line,
+            step: "the scenario".to_owned(),
+            nanoseconds: 0,
+            expected: "that it ends".to_owned(),
             came: why.to_owned(),
             help: None,
         })

@@ -136,6 +136,13 @@ fn codels_in_python_use_numpy_where_it_is() {
 }
 
 #[test]
+fn views_that_codels_keep_are_told() {
+    the_standard_library_is_enough("tests.test_kept", "local");
+    let python = python::environment(&["numpy==2.4.6"]).unwrap_or_else(|error| panic!("{error}"));
+    the_client_passes(&python, &[], "tests.test_kept", "local");
+}
+
+#[test]
 fn type_checkers_know_components_by_their_stubs() {
     let python = python::environment(&["mypy==2.4.1"]).unwrap_or_else(|error| panic!("{error}"));
     the_client_passes(&python, &[], "tests.test_stubs", "local");

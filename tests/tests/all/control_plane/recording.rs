@@ -13,14 +13,14 @@ fn stepped() -> Daemon {
 }
 
 /// A recording in progress.
-struct Recorder {
+pub(crate) struct Recorder {
     running: Running,
     file: PathBuf,
 }
 
 impl Recorder {
     /// Starts one; everything from now on is recorded.
-    fn start(daemon: &Daemon, name: &str, more: &[&str]) -> Self {
+    pub(crate) fn start(daemon: &Daemon, name: &str, more: &[&str]) -> Self {
         let file = daemon.home().path().join(name);
         let running = daemon.spawn(&[&["--json", "record", "-o", path(&file)], more].concat());
         let begun = running.error_line_where(|line| line.contains("recording to"));
@@ -29,7 +29,7 @@ impl Recorder {
     }
 
     /// Ends it as Ctrl-C does; returns its summary and its file.
-    fn end(self) -> (Value, PathBuf) {
+    pub(crate) fn end(self) -> (Value, PathBuf) {
         self.running.signal("INT");
         let finished = self.running.finish();
         finished.expect_code(0);

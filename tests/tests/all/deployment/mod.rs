@@ -7,3 +7,4 @@ mod files;
 mod pipeline;
 mod robot;
 mod roll_back;
+mod simulated;

@@ -83,3 +83,18 @@ fn a_codel_that_does_not_return_is_told_with_the_line_where_it_is() {
     // Its requests are served, too.
     daemon.ctl(&["call", "axis", "how", "what=no"]).expect_code(0);
 }
+
+#[test]
+fn a_view_that_a_codel_keeps_is_told_once_with_the_line() {
+    let (daemon, _scratch) = started(&[]);
+    for _ in 0..3 {
+        daemon.ctl(&["call", "axis", "run", "what=keep"]).expect_code(0);
+    }
+    let (finished, _) = daemon.stop("TERM");
+    let told = "keeps a view of `at` in `kept` after its call";
+    finished
+        .expect_err("axis.gen:")
+        .expect_err("of service run, ")
+        .expect_err("axis.py:43, keeps a view");
+    assert_eq!(finished.err.matches(told).count(), 1, "{}", finished.err);
+}

@@ -81,7 +81,13 @@ def axis_run(what, at):
         time.sleep(3600)
     if what == "divide":
         divided(1, 0)
+    if what == "keep":
+        kept.append(at)
+        return "ether"
     return "pause::start"
+
+
+kept = []
 
 
 def axis_stop(what):

@@ -41,7 +41,7 @@ fn wrong_names_arguments_and_results_are_told_with_the_lines_of_both_files() {
 #[test]
 fn a_script_that_does_not_run_is_told_with_its_line() {
     let missing = format!("{SCRIPT}import no_such_module\n");
-    refused(DESCRIPTION, &missing, &["axis.py: line 49: ModuleNotFoundError"]);
+    refused(DESCRIPTION, &missing, &["axis.py: line 55: ModuleNotFoundError"]);
     refused(DESCRIPTION, "def axis_start(:\n", &["axis.py: line 1: invalid syntax"]);
     refused(DESCRIPTION, "import os\nraise SystemExit(0)\n", &["axis.py: line 2: SystemExit: 0"]);
 }

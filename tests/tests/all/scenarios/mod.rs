@@ -3,13 +3,14 @@
 
 mod failures;
 mod played;
+mod python;
 mod refused;
 
 use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
-use genom_tests::{Finished, Running, component, program};
+use genom_tests::{Finished, Running, component, program, repository};
 use tempfile::TempDir;
 
 /// A directory with scenarios, and with components in `lib`.
@@ -47,6 +48,8 @@ impl Place {
         command.env_clear().env("PATH", std::env::var_os("PATH").unwrap_or_default());
         command.env("TMPDIR", self.path("tmp")).env("XDG_CONFIG_HOME", self.path("config"));
         command.env("XDG_STATE_HOME", self.path("state")).current_dir(self.0.path());
+        command.env("PYTHONPATH", repository().join("clients/python/src"));
+        command.env("PYTHONDONTWRITEBYTECODE", "1");
         command.arg("test").arg("--genomd").arg(program("genomd")).args(arguments);
         Running::start(&mut command)
     }
@@ -58,7 +61,10 @@ impl Place {
     /// What is there of daemons that genomctl started.
     fn left(&self) -> Vec<PathBuf> {
         let all = fs::read_dir(self.path("tmp")).unwrap();
-        let mine = |path: &PathBuf| path.to_string_lossy().contains("genomctl-test-");
+        let mine = |path: &PathBuf| {
+            let path = path.to_string_lossy();
+            path.contains("genomctl-test-") || path.contains("gtest-")
+        };
         all.map(|entry| entry.unwrap().path()).filter(mine).collect()
     }
 }
@@ -73,5 +79,5 @@ fn steps(components: &str, steps: &[&str]) -> String {
 
 /// Where the scenarios of the project are.
 fn scenarios() -> PathBuf {
-    genom_tests::repository().join("tests/scenarios")
+    repository().join("tests/scenarios")
 }

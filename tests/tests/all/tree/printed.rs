@@ -49,6 +49,12 @@ const ELSEWHERE: &[(&str, &str)] = &[
     // On a busy machine the viewer takes a second to write a file, and requests meanwhile are
     // refused: `held_up`.
     ("genomctl start --wait viewer sheet", "tests/tests/all/deployment/pipeline.rs"),
+    ("python3 -m venv target/mujoco", "tests/tests/all/deployment/simulated.rs"),
+    ("target/mujoco/bin/", "tests/tests/all/deployment/simulated.rs"),
+    ("PKG_CONFIG_PATH=target/mujoco", "tests/tests/all/deployment/simulated.rs"),
+    ("genomd --config configs/sim-arm.toml", "tests/tests/all/deployment/simulated.rs"),
+    ("genomctl start planner", "tests/tests/all/deployment/simulated.rs"),
+    ("genomctl plot sim/", "tests/tests/all/deployment/simulated.rs"),
     ("cd docs/editors/vscode", "tests/tests/all/editors/vscode.rs"),
     ("npm ", "tests/tests/all/editors/vscode.rs"),
     ("code --install-extension", "wants Visual Studio Code"),

@@ -8,7 +8,7 @@ import threading
 import traceback
 from typing import Any, Callable, Dict, List, NamedTuple, Optional
 
-from . import _ports, _remotes
+from . import _kept, _ports, _remotes
 from ..codel import Raised
 from ._events import Events, Exceptions, record, unkex
 from ._kinds import Kind, Unsupported
@@ -73,10 +73,13 @@ class Codel:
             keyword = parameter.kind is parameter.KEYWORD_ONLY
             passed.append(f"{parameter.name}={text}" if keyword else text)
         key = ", ".join([*(f"a{rank}" for rank in by_address), "context"])
+        names_of_views = [self.parameters[rank].python for rank in by_address]
+        watch = _kept.Watch(names_of_views, function, self._keeps)
         scope: Dict[str, Any] = {
             "function": function, "known": {}, "make": self._make, "thread": _thread,
             "enter": _enter, "returns": self._returns, "raised": self._raised,
-            "wrong": self._wrong, **defaults,
+            "wrong": self._wrong, "calls": _kept.calls, "turn": watch.turn,
+            "watch": _kept.watch, "look": watch.look, "forget": _kept.forget, **defaults,
         }
         scope.update({f"given{rank}": one.given for rank, one in enumerate(self.parameters)})
         text = _TEXT.format(
@@ -97,8 +100,10 @@ class Codel:
             self.parameters[rank].view(address, addresses[-1])
             for rank, address in zip(self._made_of, addresses)
         ]
-        known[key] = views
-        return views
+        for rank in range(len(views)):
+            _kept.given.pop(id(views[rank]), None)
+        known[key] = made = (views, _kept.counts(views))
+        return made
 
     def _raised(self, error: BaseException, context: int) -> int:
         """The codel raised: an exception of a description, or an error of its own."""
@@ -113,6 +118,11 @@ class Codel:
             f"description does not declare:\n{shown}{text}"
         )
         return unkex(self._events, f"{text} ({_end(where)})", context)
+
+    def _keeps(self, what: str, line: int) -> None:
+        """The codel keeps a view."""
+        file = self._where.rpartition(":")[0]
+        self._log(f"codel {self.name} ({self.place}) of {self.owner}, {file}:{line}, {what}")
 
     def _declared(self, error: Raised) -> bool:
         try:
@@ -141,14 +151,24 @@ def codel({arguments}):
         thread.here
     except AttributeError:
         enter()
+    looks = turn()
+    if looks:
+        watch()
+    calls.append(None)
     try:
-        views = known[{key}]
-    except KeyError:
-        views = make(known, ({key}))
-    try:
+        try:
+            views, usual = known[{key}]
+        except KeyError:
+            views, usual = make(known, ({key}))
         event = function({passed})
     except BaseException as error:
+        calls.pop()
+        if looks:
+            forget()
         return raised(error, context)
+    calls.pop()
+    if looks:
+        look(views, usual)
     try:
         return returns[event]
     except (KeyError, TypeError):

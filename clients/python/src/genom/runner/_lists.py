@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 from typing import Any, Dict, Iterator, Optional, Sequence, Tuple
 
-from . import _numbers
+from . import _kept, _numbers
 from ._kinds import LIBC, Kind, Made, Number, shape
 
 _FREE = ctypes.cast(LIBC.free, ctypes.c_void_p).value
@@ -20,6 +20,8 @@ class ListView:
     def __init__(self, kind: Kind, at: int, count: int, const: bool, owner: Any) -> None:
         self._kind, self._at, self._count = kind, at, count
         self._const, self._owner = const, owner
+        if owner is None and _kept.watching:
+            _kept.give(self)
 
     def _place(self) -> Tuple[int, int]:
         """Address of the first element, and how many there are."""
@@ -105,7 +107,8 @@ class SequenceView(ListView):
         at, count = self._place()
         if not isinstance(self._kind, Number):
             raise TypeError(f"{self._kind.name} is no number")
-        return _numbers.array(self._kind.keyword, at, (count,), self._const, self._owner)
+        made = _numbers.array(self._kind.keyword, at, (count,), self._const, self._owner)
+        return _kept.give(made) if self._owner is None and _kept.watching else made
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
         made = self.array
@@ -131,7 +134,7 @@ class Array(Kind):
         if owner is None:
             known = self._known.get((address, const))
             if known is not None:
-                return known
+                return _kept.give(known, 1) if _kept.watching else known
         number, lengths = shape(self._kinds, self)
         if number is None:
             return ListView(self.inner, address, self.length, const, owner)
@@ -140,6 +143,8 @@ class Array(Kind):
             if len(self._known) > 256:
                 self._known.clear()
             self._known[address, const] = made
+            if _kept.watching:
+                _kept.give(made, 1)
         return made
 
     def put(self, address: int, value: Any) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from typing import Any, Callable, Dict, Optional
 
+from . import _kept
 from ._events import Exceptions
 from ._kinds import Kind
 from ._lists import Array, SequenceKind
@@ -39,6 +40,8 @@ class _Port:
         view = views.get(address)
         if view is None:
             view = views[address] = self._kind.get(address, self._const, None)
+            # This dictionary keeps it.
+            _kept.given.pop(id(view), None)
         return view
 
     def _checked(self, event: Optional[int]) -> None:

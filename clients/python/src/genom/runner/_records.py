@@ -8,6 +8,7 @@ import keyword
 from operator import attrgetter
 from typing import Any, Callable, Dict, List, Sequence, Tuple
 
+from . import _kept
 from ._kinds import Enum, Kind, Made, Number
 
 
@@ -65,6 +66,8 @@ class Record(Kind):
         self.members: List[Tuple[str, int, int]] = [
             (python_name(m["name"]), m["offset"], m["type"]) for m in one["members"]
         ]
+        # As the description has them.
+        self.given_names: List[str] = [m["name"] for m in one["members"]]
         self._classes: Dict[bool, Any] = {}
 
     def ctype(self, const: bool) -> Any:
@@ -100,7 +103,7 @@ class Record(Kind):
     def get(self, address: int, const: bool, owner: Any) -> Any:
         made = self.view(const).from_address(address)
         made._owner = owner
-        return made
+        return _kept.give(made) if owner is None and _kept.watching else made
 
     def put(self, address: int, value: Any) -> None:
         if isinstance(value, View) and value._kind is self:
@@ -174,6 +177,8 @@ class UnionView:
     def __init__(self, kind: "Union_", at: int, const: bool, owner: Any) -> None:
         for name, value in zip(self.__slots__, (kind, at, const, owner)):
             object.__setattr__(self, name, value)
+        if owner is None and _kept.watching:
+            _kept.give(self)
 
     def __getattr__(self, name: str) -> Any:
         kind, const = self._kind, self._const

@@ -1,5 +1,6 @@
 //! `genomctl test`: plays scenarios of components on the stepped clock.
 
+mod python;
 mod scripted;
 
 use std::path::{Path, PathBuf};
@@ -23,6 +24,7 @@ use crate::escape;
 use crate::failure::Failure;
 use crate::session::Session;
 use crate::times::seconds;
+use python::Python;
 
 /// Waits between two looks at a cell.
 const MOMENT: Duration = Duration::from_millis(5);
@@ -33,10 +35,10 @@ const MOMENT: Duration = Duration::from_millis(5);
 /// Each scenario has a daemon of its own that nothing else on this machine sees. Its clock stands
 /// still between steps, so two runs give the same report. docs/testing.md explains the files. The
 /// exit status is 1 if a scenario does not pass, and 2 if a file has mistakes. Ctrl-C stops what was
-/// started.
+/// started. Scenarios in Python are functions that step a daemon; `python -m genom.scenario` plays them.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Files of scenarios (TOML), or directories: all such files in and below them.
+    /// Files of scenarios (TOML or Python), or directories: all such files in and below them.
     #[arg(value_name = "FILE|DIRECTORY", default_value = "tests", value_hint = ValueHint::AnyPath)]
     files: Vec<PathBuf>,
     /// Only scenarios whose name contains this.
@@ -60,6 +62,9 @@ pub(crate) struct Args {
     /// The program that runs the components [default: genomd beside genomctl, else on PATH].
     #[arg(long, value_name = "PATH", value_hint = ValueHint::ExecutablePath)]
     genomd: Option<PathBuf>,
+    /// The interpreter of scenarios in Python, with the package genom.
+    #[arg(long, value_name = "PATH", default_value = "python3", value_hint = ValueHint::ExecutablePath)]
+    python: PathBuf,
 }
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
@@ -114,6 +119,10 @@ fn chosen(args: &Args, session: &Session) -> Result<Vec<Suite>, Failure> {
             return Err(Failure::usage(error.to_string(), help));
         }
     };
+    let python = Python::new(args.python.clone(), Genomd::new(args.genomd.clone()));
+    for suite in suites.iter_mut().filter(|suite| suite.script) {
+        suite.scenarios = python.list(&suite.file)?;
+    }
     let Some(only) = &args.only else { return Ok(suites) };
     for suite in &mut suites {
         suite.scenarios.retain(|scenario| scenario.name.contains(only.as_str()));
@@ -145,6 +154,7 @@ fn list(suites: &[Suite], session: &Session) -> Result<(), Failure> {
 
 async fn play_all(args: Args, suites: &[Suite], session: &Session) -> Result<Report, Failure> {
     let genomd = Genomd::new(args.genomd);
+    let python = Python::new(args.python, genomd.clone());
     let path = args.path.iter().map(std::path::absolute).collect::<Result<_, _>>()?;
     let overrides = Overrides { backend: args.backend, path };
     let mut report = Report::default();
@@ -154,17 +164,15 @@ async fn play_all(args: Args, suites: &[Suite], session: &Session) -> Result<Rep
         tell(session, &format!("{}\n", suite.file.display()))?;
         for scenario in &suite.scenarios {
             number += 1;
-            if let Some(run) = &scenario.run {
-                let (outcome, played) = scripted::play(scenario, run, args.limit).await;
-                report.add(scenario, outcome, played);
-                let last = report.files.last().and_then(|suite| suite.scenarios.last());
-                last.map_or(Ok(()), |last| tell(session, &last.text(&suite.file)))?;
-                continue;
-            }
-            let begun = begin(&genomd, scenario, &overrides, number).await;
-            let (outcome, played) = match begun {
-                Ok(mut daemon) => play_one(scenario, &mut daemon, args.limit).await,
-                Err(why) => (Outcome::not_begun(scenario, &why), Played::default()),
+            let (outcome, played) = if suite.script {
+                python.play(&suite.file, scenario, &overrides, args.limit).await
+            } else if let Some(run) = &scenario.run {
+                scripted::play(scenario, run, args.limit).await
+            } else {
+                match begin(&genomd, scenario, &overrides, number).await {
+                    Ok(mut daemon) => play_one(scenario, &mut daemon, args.limit).await,
+                    Err(why) => (Outcome::not_begun(scenario, &why), Played::default()),
+                }
             };
             report.add(scenario, outcome, played);
             let last = report.files.last().and_then(|suite| suite.scenarios.last());
