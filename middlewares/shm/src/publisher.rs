@@ -27,7 +27,7 @@ pub(crate) fn open(
     ty: &DataType,
 ) -> Result<impl Publisher + 'static, OpenError> {
     let core = Arc::new(Core::open(&inner.ground, at, ty)?);
-    core.upkeep()?;
+    core.upkeep(true)?;
     inner.upkeep.add(&core);
     let written = Written::new(core.size(), inner.ground.options.keep_free);
     Ok(ShmPublisher { core, inner: Arc::clone(inner), dropped: 0, written, full: false })

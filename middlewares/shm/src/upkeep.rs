@@ -14,8 +14,13 @@ use genom_middleware::{Address, OpenError};
 use crate::watch::Watcher;
 use crate::writer::Core;
 
-/// Longest time that a late reader in another process waits for the last value of an idle writer.
+/// Longest time that a late reader in another process waits for the last value of an idle writer,
+/// unless another reader leaves at the same time.
 pub(crate) const PERIOD: Duration = Duration::from_millis(20);
+
+/// In one of so many rounds it is looked which readers there are; in the others, how many. A reader
+/// that comes in the very round in which another one leaves waits for that.
+const CLOSELY: u32 = 10;
 
 pub(crate) struct Upkeep {
     shared: Arc<Shared>,
@@ -41,11 +46,13 @@ impl Shared {
 
     fn run(&self, watcher: &Watcher) {
         let mut state = self.lock();
+        let mut round = 0u32;
         while !state.stop {
             let busy = watcher.busy();
+            round = round.wrapping_add(1);
             for writer in &state.writers {
                 // `upkeep` reports its errors itself.
-                let _ = writer.upkeep();
+                let _ = writer.upkeep(round.is_multiple_of(CLOSELY));
             }
             drop(busy);
             state = if state.writers.is_empty() {
@@ -87,7 +94,7 @@ impl Upkeep {
         let Some(writer) = state.writers.iter().find(|writer| writer.is_at(at)) else {
             return Ok(false);
         };
-        writer.upkeep().map(|()| true)
+        writer.upkeep(true).map(|()| true)
     }
 }
 

@@ -6,7 +6,7 @@
 //! which connects the reader, sends it the value, and opens the gate: from then on the writer sends
 //! directly. At any time only one of the two may send, and neither waits for the other.
 
-use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use genom_middleware::{Address, OpenError};
@@ -49,6 +49,8 @@ pub(crate) struct Core {
     shape: Shape,
     /// Which readers existed when connections were last made.
     readers: AtomicU64,
+    /// How many there were when it was last looked which.
+    number: AtomicUsize,
     /// Whether the last reader could not be connected; reported once.
     failing: AtomicBool,
 }
@@ -97,6 +99,7 @@ impl Core {
             wire,
             shape,
             readers: AtomicU64::new(0),
+            number: AtomicUsize::new(0),
             failing: AtomicBool::new(false),
         })
     }
@@ -110,9 +113,14 @@ impl Core {
         (!self.wire.slice).then_some(self.wire.size)
     }
 
-    /// Connects readers that appeared since the last call, and joins their queue. Called by one
-    /// thread at a time.
-    pub(crate) fn upkeep(&self) -> Result<(), OpenError> {
+    /// Connects readers that appeared since the last call, and joins their queue. If not `closely`,
+    /// only a number of readers that changed is seen, which costs less. Called by one thread
+    /// at a time.
+    pub(crate) fn upkeep(&self, closely: bool) -> Result<(), OpenError> {
+        let number = self.service.dynamic_config().number_of_subscribers();
+        if self.number.swap(number, Ordering::Relaxed) == number && !closely {
+            return Ok(());
+        }
         let mut readers = 0u64;
         self.service.dynamic_config().list_subscribers(|reader| {
             let id = reader.subscriber_id.value();
@@ -128,6 +136,7 @@ impl Core {
             Err(error) => {
                 // So that it is tried again next time.
                 self.readers.store(0, Ordering::Relaxed);
+                self.number.store(usize::MAX, Ordering::Relaxed);
                 if !self.failing.swap(true, Ordering::Relaxed) {
                     tracing::warn!(port = %self.at, %error, "cannot connect a reader");
                 }

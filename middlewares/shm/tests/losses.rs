@@ -76,6 +76,25 @@ fn a_burst_before_the_first_read_of_a_late_reader_is_counted_from_the_value_it_s
     }
 }
 
+/// As many readers are there before as after: their number alone would not tell.
+#[test]
+fn a_reader_that_takes_the_place_of_another_one_gets_the_value_of_an_idle_writer() {
+    for policy in [Policy::Latest, Policy::Ring(4), Policy::Queue(4)] {
+        let world = ShmWorld::new();
+        let (shm, other) = (world.open(), world.open());
+        let mut writer = writer(&shm);
+        burst(&mut *writer, 1, 20);
+        let mut got = Record::new(&state());
+        let mut before = reader(&other, policy);
+        for _ in 0..8 {
+            eventually("the last value", || before.read(&mut got) == Ok(Reading::New));
+            assert!(got.holds_same(&numbered(20)));
+            drop(before);
+            before = reader(&other, policy);
+        }
+    }
+}
+
 #[test]
 fn a_writer_that_comes_back_is_counted_from_its_first_sample() {
     for policy in POLICIES {
