@@ -9,8 +9,7 @@ use std::time::Duration;
 
 use genom_cells::{AskError, Cells};
 use genom_doors::RpcError;
-use genom_protocol::{ClockKind, Code, StepRequest};
-use genom_runtime::Clock;
+use genom_protocol::{Code, StepRequest};
 use genom_supervisor::Supervisor;
 use rustix::io::Errno;
 use rustix::net::{
@@ -105,14 +104,7 @@ impl Session {
     }
 
     fn step(&mut self, nanoseconds: u64) -> Result<u64, RpcError> {
-        let Clock::Virtual(clock) = self.supervisor.clock.clone() else {
-            let message = "this daemon lives by the machine's clock, which nobody steps";
-            return Err(RpcError::conflict(Code::MonotonicClock, message));
-        };
-        if self.supervisor.settings.clock == ClockKind::Ros {
-            let message = "the clock of this daemon follows /clock of ROS 2";
-            return Err(RpcError::conflict(Code::ClockFollows, message));
-        }
+        let clock = genom_views::stepped(&self.supervisor)?;
         if nanoseconds > StepRequest::LONGEST {
             let message = format!(
                 "a step of {nanoseconds} ns is too long: {} s are the most",

@@ -8,6 +8,7 @@
 
 #![forbid(unsafe_code)]
 
+mod clock;
 mod columns;
 mod doctor;
 mod histograms;
@@ -22,6 +23,7 @@ mod together;
 mod values;
 mod why;
 
+pub use clock::stepped;
 #[doc(hidden)]
 pub use doctor::__path_doctor;
 pub use doctor::doctor;

@@ -7,7 +7,7 @@ use axum::Json;
 use axum::extract::State;
 use genom_cells::Cells;
 use genom_doors::{Body, RpcError};
-use genom_protocol::{ClockKind, Code, StepRequest};
+use genom_protocol::{ClockKind, StepRequest};
 use genom_runtime::Clock;
 use genom_supervisor::Supervisor;
 
@@ -40,16 +40,7 @@ pub(crate) async fn step(
     State(joined): State<Arc<Cells>>,
     Body(StepRequest { nanoseconds }): Body<StepRequest>,
 ) -> Result<Json<genom_protocol::Clock>, RpcError> {
-    let Clock::Virtual(clock) = supervisor.clock.clone() else {
-        let message = "this daemon lives by the machine's clock, which nobody steps";
-        return Err(RpcError::conflict(Code::MonotonicClock, message)
-            .help("start it with `genomd --clock virtual`"));
-    };
-    if supervisor.settings.clock == ClockKind::Ros {
-        let message = "the clock of this daemon follows /clock of ROS 2";
-        return Err(RpcError::conflict(Code::ClockFollows, message)
-            .help("step the simulator, or start the daemon with `genomd --clock virtual`"));
-    }
+    let clock = genom_views::stepped(&supervisor)?;
     let duration = Duration::from_nanos(nanoseconds);
     if duration > LONGEST {
         let message =

@@ -114,7 +114,6 @@ const EMBEDDING: &[&str] = &[
     "genom-host",
     "genom-ports",
     "genom-protocol",
-    "genom-runtime",
     "genom-supervisor",
     "genom-types",
     "genom-views",
