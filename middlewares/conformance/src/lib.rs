@@ -94,6 +94,7 @@ macro_rules! conformance {
                 services::a_second_server_of_an_address_is_refused,
                 services::a_service_of_other_types_is_refused,
                 services::services_show_while_they_are_served,
+                services::what_a_handler_holds_is_closed_with_its_service,
             }
         }
     )+};

@@ -11,8 +11,8 @@ use crate::harness::{World, eventually};
 use crate::samples::{note, number, numbered, other_state, state};
 use genom_middleware::reply::{Reply, ReplyReceiver, pair};
 use genom_middleware::{
-    ActivityId, Address, CallError, Client, EndpointKind, Middleware, OpenError, Outcome, Replies,
-    Running, ServiceHandler, ServiceKind, ServiceType,
+    ActivityId, Address, CallError, Client, EndpointKind, Middleware, OpenError, Outcome, PortSpec,
+    Publisher, Replies, Running, ServiceHandler, ServiceKind, ServiceType,
 };
 
 /// Enough for any middleware; only a failing test waits this long.
@@ -333,5 +333,35 @@ pub fn services_show_while_they_are_served(world: &dyn World) {
     drop(served);
     eventually("the service is gone", || !shows() && kinds().is_empty());
     drop((client, a, b));
+    assert_eq!(world.leftovers(), Vec::<String>::new());
+}
+
+/// A service whose handler has an out port of its own: nothing waits for itself when both are closed,
+/// and the addresses are free again.
+pub fn what_a_handler_holds_is_closed_with_its_service(world: &dyn World) {
+    struct Holder(
+        #[expect(dead_code, reason = "closed when it is dropped")] Mutex<Box<dyn Publisher>>,
+    );
+
+    impl ServiceHandler for Holder {
+        fn request(&self, input: Record, replies: Box<dyn Replies>) {
+            replies.finish(Outcome::Success(input));
+        }
+
+        fn cancel(&self, _: ActivityId) {}
+    }
+
+    let Some((a, b)) = sides(world) else { return };
+    let (ty, function) = (state(), service(ServiceKind::Function));
+    let address = Address::new("demo", "position");
+    for _ in 0..2 {
+        let publisher = a.publisher(&PortSpec::new(&address, &ty)).unwrap();
+        let handler = Arc::new(Holder(Mutex::new(publisher)));
+        let served = a.serve(&goto(), &function, handler).unwrap();
+        let mut client = b.client(&goto(), &function).unwrap();
+        assert_eq!(success(answered(&mut *client, 5)), 5);
+        drop((client, served));
+    }
+    drop((a, b));
     assert_eq!(world.leftovers(), Vec::<String>::new());
 }

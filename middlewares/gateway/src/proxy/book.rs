@@ -267,11 +267,14 @@ impl Shared {
             Ok(Ok(())) => Ok(()),
             Ok(Err(why)) => Err(why),
             Err(_) => {
+                // Dropped without the lock: a handler of requests may have ends of its own.
+                let gone;
                 let why = {
                     let mut book = lock(&self.book);
-                    book.ends.remove(&end);
+                    gone = book.ends.remove(&end);
                     if book.up { "its gateway does not answer".into() } else { self.down(&book) }
                 };
+                drop(gone);
                 let _ = self.say(&Up::Close { end }, &[]);
                 Err(own(why))
             }
@@ -282,14 +285,17 @@ impl Shared {
     /// that would hear of it.
     pub(crate) fn close(&self, end: u32) {
         let (told, closed) = sync_channel(1);
+        // Dropped without the lock: a handler of requests may have ends of its own.
+        let gone;
         {
             let mut book = lock(&self.book);
-            book.ends.remove(&end);
+            gone = book.ends.remove(&end);
             if !book.up || self.channel.put(book.generation, &Up::Close { end }, &[]).is_err() {
                 return;
             }
             book.closing.insert(end, told);
         }
+        drop(gone);
         self.ring();
         if self.hearing.get() != Some(&thread::current().id()) {
             let _ = closed.recv_timeout(CLOSING);

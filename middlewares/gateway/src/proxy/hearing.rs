@@ -92,7 +92,10 @@ impl Shared {
         let mut book = lock(&self.book);
         let opening = book.ends.get_mut(&number).and_then(|end| end.opening.take());
         if let Some(told) = opening {
-            book.ends.remove(&number);
+            let gone = book.ends.remove(&number);
+            // A handler of requests may have ends of its own.
+            drop(book);
+            drop(gone);
             let _ = told.try_send(Err(why));
             return;
         }
