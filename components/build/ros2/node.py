@@ -187,6 +187,14 @@ def call(service, values):
     return plain(done(made.call_async(fill(made.srv_type.Request(), values))))
 
 
+def burst(service, count, values):
+    """Calls many times at once. Returns the replies that there are when one of them is a success."""
+    made = clients[service]
+    calls = [made.call_async(fill(made.srv_type.Request(), values)) for _ in range(count)]
+    until("a success", lambda: any(call.done() and call.result().success for call in calls))
+    return [plain(call.result()) for call in calls if call.done()]
+
+
 def action(name, kind):
     actions[name] = ActionClient(node, type_of(kind), name)
     until(f"the action {name}", actions[name].server_is_ready)
@@ -232,6 +240,7 @@ def result(action):
 VERBS = {
     "client": client,
     "call": call,
+    "burst": burst,
     "action": action,
     "goal": goal,
     "feedback": feedback,

@@ -139,6 +139,7 @@ impl Setup {
         config.rpc.listen = None;
         config.web.listen = None;
         config.foxglove.listen = None;
+        config.lifecycle.components.clear();
         config.rpc.tls = None;
         config.rpc.token_file = None;
         if let Some(middleware) = genom_gateway::middleware_of(name) {

@@ -46,6 +46,9 @@ pub enum UsageError {
     /// A value of `[foxglove]`.
     #[error("foxglove.{key} = {value}: {what}")]
     Foxglove { key: &'static str, value: String, what: String },
+    /// A name in `[lifecycle]`.
+    #[error("lifecycle.components: the deployment has no component `{name}`: {help}")]
+    Lifecycle { name: String, help: String },
     /// `rpc.max_connections` is 0: no client could connect, not even to stop the daemon.
     #[error("rpc.max_connections = 0: the daemon would answer nobody; one at least")]
     NoConnections,

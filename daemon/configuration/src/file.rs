@@ -19,6 +19,7 @@ use crate::error::{ConfigError, UsageError, WhichDaemon, message_of};
 use crate::foxglove::FoxgloveSection;
 use crate::gateways::GatewaysSection;
 use crate::levels;
+use crate::lifecycle::LifecycleSection;
 use crate::limits::CellLimits;
 use crate::offers::Offers;
 use crate::overrides;
@@ -64,6 +65,8 @@ pub struct Config {
     pub web: WebSection,
     /// The live source for Foxglove.
     pub foxglove: FoxgloveSection,
+    /// Components that ROS 2 loads and starts.
+    pub lifecycle: LifecycleSection,
     /// Processes of their own for components.
     pub cells: CellsSection,
     /// Middlewares in processes of their own.
@@ -135,6 +138,7 @@ impl Default for Config {
             rpc: Rpc::default(),
             web: WebSection::default(),
             foxglove: FoxgloveSection::default(),
+            lifecycle: LifecycleSection::default(),
             cells: CellsSection::default(),
             gateways: GatewaysSection::default(),
             crashes: CrashesSection::default(),

@@ -14,6 +14,7 @@ mod file;
 mod foxglove;
 mod gateways;
 pub mod levels;
+mod lifecycle;
 mod limits;
 mod offers;
 mod overrides;
@@ -41,6 +42,7 @@ pub use genom_protocol::{
     ExecutionKind, LoadRequest, OwnResponse, PortQos, QosEntry, Reaction, Right, SupervisionEntry,
     TaskEntry, Whose,
 };
+pub use lifecycle::LifecycleSection;
 pub use limits::CellLimits;
 pub use offers::Offers;
 pub use pattern::matches;

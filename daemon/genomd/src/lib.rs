@@ -10,6 +10,7 @@ mod cli;
 mod daemon;
 mod life;
 mod refusal;
+mod ros;
 mod rpc;
 mod run;
 mod settings;

@@ -22,7 +22,6 @@ use genom_supervisor::deploy::Step;
 use genom_supervisor::limits;
 use genom_supervisor::loading::{LoadError, check_reactions};
 use genom_systemd::heartbeat;
-use genom_timekeeper::{Source, follow};
 use genom_web::Console;
 use tokio::runtime::Handle;
 use tokio::task::block_in_place;
@@ -31,6 +30,7 @@ use crate::announcements;
 use crate::daemon::Daemon;
 use crate::life::Life;
 pub(crate) use crate::refusal::Refusal;
+use crate::ros;
 use crate::rpc;
 use crate::settings::Settings;
 use crate::signals::{Signals, keep_process};
@@ -126,6 +126,8 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
         None => None,
     };
     let daemon = Daemon::new(&mut settings);
+    let names = &settings.config.lifecycle.components;
+    let managed = genom_lifecycle::take(names, &mut settings.deployment);
     let console = Console::open(&settings.config.web, &daemon.rpc, &tokens, own, &daemon.closed);
     let console = console.await.map_err(Refusal::own)?;
     console.iter().for_each(|(console, _)| drop(daemon.console.set(console.clone())));
@@ -158,7 +160,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     }
     opened?;
     if settings.config.clock == ClockKind::Ros {
-        follow_ros(&daemon).await?;
+        ros::follow_clock(&daemon).await?;
     }
     supervisor.watch().map_err(Refusal::own)?;
     supervisor.watch_files().map_err(Refusal::own)?;
@@ -174,6 +176,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     let most = Most { connections: max_connections, per_token: max_connections_per_token };
     let (listener, socket) = socket.split();
     let router = rpc::router(&daemon, &tokens, Door::own());
+    ros::manage(&daemon, managed, router.clone()).await?;
     let life = Life { router: router.clone(), supervisor: Arc::clone(supervisor) };
     let mut entrances = vec![Entrance { listener, router }];
     if let Some((console, listener)) = console {
@@ -233,14 +236,6 @@ async fn open_backend(supervisor: &Arc<Supervisor>) -> Result<(), Refusal> {
             Err(Refusal::left_behind(format!("stopped while {backend} was being opened")))
         }
     }
-}
-
-/// From now on, the clock of the components goes on as `/clock` of ROS 2 says.
-async fn follow_ros(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
-    let worker = Arc::clone(&daemon.supervisor);
-    let opening = tokio::task::spawn_blocking(move || Source::open(&worker.backends));
-    let source = opening.await.map_err(Refusal::own)?.map_err(Refusal::own)?;
-    follow(source, &daemon.supervisor, &daemon.cells, Handle::current()).map_err(Refusal::own)
 }
 
 /// Loads components, runs until asked to stop, and unloads them.
@@ -410,7 +405,11 @@ async fn deploy_in_cells(daemon: &Daemon, settings: &Settings) -> Result<(), Ref
         return Ok(());
     }
     let Some(file) = settings.file.clone() else { return Ok(()) };
-    let text = std::fs::read_to_string(&file).map_err(Refusal::own)?;
+    let text = match settings.config.lifecycle.components.is_empty() {
+        true => std::fs::read_to_string(&file).map_err(Refusal::own)?,
+        // Without what ROS loads.
+        false => toml::to_string(&settings.deployment).map_err(Refusal::own)?,
+    };
     let wanted = DeploymentRequest {
         text,
         file,
@@ -466,6 +465,7 @@ async fn stop(daemon: &Daemon) -> Result<(), Refusal> {
         Refusal::left_behind(format!("stopping the components ended badly: {error}"))
     })?;
     daemon.announcements.withdraw();
+    daemon.nodes.end();
     daemon.own_cell.iter().for_each(|own| own.close());
     supervisor.backends.close();
     daemon.cells.stop_gateways().await;

@@ -93,6 +93,7 @@ impl Settings {
             UsageError::Daemon { file, why }
         })?;
         deployment.component.extend(components);
+        config.lifecycle.check(&deployment)?;
         // A cell runs what its daemon put there.
         if cli.run_cell.is_none() {
             isolate_scripts(&mut deployment.component, &config.path);

@@ -2,6 +2,7 @@
 
 mod cold_starts;
 mod forged;
+mod lifecycle;
 mod ros2_peers;
 mod simulated_time;
 mod stalled;

@@ -58,6 +58,7 @@ pub(super) const ARROWS: &[(&str, &[&str])] = &[
     ("genom-supervisor", SUPERVISOR),
     ("genom-views", VIEWS),
     ("genom-cells", CELLS),
+    ("genom-lifecycle", LIFECYCLE),
     ("genom-limits", &["genom-configuration"]),
     ("genom-systemd", &["genom-host"]),
     ("genom-telemetry", TELEMETRY),
@@ -107,6 +108,8 @@ const VIEWS: &[&str] = &[
 ];
 const ARCHIVE: &[&str] =
     &["genom-cells", "genom-doors", "genom-protocol", "genom-recording", "genom-supervisor"];
+const LIFECYCLE: &[&str] =
+    &["genom-doors", "genom-middleware", "genom-protocol", "genom-registry", "genom-types"];
 const EMBEDDING: &[&str] = &[
     "genom-cells",
     "genom-description",

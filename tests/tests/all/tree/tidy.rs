@@ -15,7 +15,7 @@ const FLOORS: &[(&str, &str)] = &[
     ("registry", "known backends masquerade lib"),
     (
         "configuration",
-        "error limits cells states crashes reload gateways pattern blackbox recordings levels place terms offers rpc web foxglove spot overrides file lib",
+        "error limits cells states crashes reload gateways pattern blackbox recordings levels place terms offers rpc web foxglove lifecycle spot overrides file lib",
     ),
     ("ports", "dates gauge key tape fan feeds tap lib"),
     (
@@ -38,7 +38,7 @@ const FLOORS: &[(&str, &str)] = &[
         "end done dying policy shelf theirs place snapshots journal client crashes follow remains blackbox kept process bell program setup cell round \
          asking cells gateway unmatched own react merge record unload wire deploy thaw lib",
     ),
-    ("genomd", "refusal cli announcements settings daemon rpc signals life run check lib main"),
+    ("genomd", "refusal cli announcements settings daemon ros rpc signals life run check lib main"),
 ];
 
 fn relative(path: &Path) -> String {
