@@ -69,9 +69,12 @@ impl View {
     }
 
     fn member(&self, members: &[Member], key: &Value) -> Result<(usize, At)> {
-        let name = key.as_string().map(mlua::LuaString::to_string_lossy).unwrap_or_default();
-        let found = members.iter().find(|member| member.name == name);
+        let found = key.as_string().and_then(|name| {
+            let name = name.as_bytes();
+            members.iter().find(|member| *member.name.as_bytes() == *name)
+        });
         let found = found.ok_or_else(|| {
+            let name = key.as_string().map(mlua::LuaString::to_string_lossy).unwrap_or_default();
             let names = members.iter().map(|member| member.name.as_str());
             let (ty, key) = (&self.types.get(self.ty).name, value::shown(key));
             Error::runtime(format!("{ty} has no member {key}{}", meant(&name, names)))
