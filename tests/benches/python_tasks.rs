@@ -1,8 +1,8 @@
-//! What Python costs a component: a call of a codel, and how late its tasks begin.
+//! What Python and Lua cost a component: a call of a codel, and how late its tasks begin.
 //!
 //! `cargo bench -p genom-tests --bench python_tasks [-- SECONDS]`, 20 s unless told otherwise. Printed:
 //! what a codel costs that reads three fields of the IDS and writes three, beside an empty one; then how
-//! late a period of 1 kHz begins of the demo in Python and of the demo in C, both with an activity that
+//! late a period of 1 kHz begins of the demo in Python, of that in Lua and of the demo in C, all with an activity that
 //! runs, each in a cell, side by side for the same time, first with nothing else and then in a daemon
 //! with ten more components of 1 kHz, of which four clients read all values as fast as they can. The
 //! programs are built with `--release`; with `-- debug`, as the tests build them. Tasks are real-time
@@ -35,10 +35,18 @@ fn main() {
         let _ = release();
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         let mut library = Command::new(cargo);
-        library.current_dir(repository()).args(["build", "--release", "-p", "genom-python"]);
+        library.current_dir(repository()).args([
+            "build",
+            "--release",
+            "-p",
+            "genom-runner",
+            "-p",
+            "genom-lua",
+        ]);
         assert!(library.status().expect("cargo runs").success(), "the library does not build");
     }
     calls();
+    in_lua();
     println!("\nlateness of a period of 1 kHz, µs            p50        p99    periods");
     lateness("alone", "", 0, Duration::from_secs(seconds));
     let others: String = (0..OTHERS).map(|n| task_of_1_khz(&format!("other{n}"))).collect();
@@ -66,16 +74,29 @@ fn calls() {
     );
 }
 
-/// Prints how late the tasks of both demos begin, and the ratio.
+/// The same of codels in Lua, as the benchmark of their runner measures them.
+fn in_lua() {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let mut command = Command::new(cargo);
+    command.current_dir(repository()).args(["bench", "-q", "-p", "genom-lua", "--bench", "calls"]);
+    let finished = Running::start(&mut command).finish();
+    finished.expect_code(0);
+    println!("{}", finished.out.trim_end());
+}
+
+/// The demos, by the names of their instances.
+const DEMOS: [(&str, &str); 3] = [("c", "demo"), ("python", "demo-py"), ("lua", "demo-lua")];
+
+/// Prints how late the tasks of the demos begin, and the ratio to that in C.
 fn lateness(how: &str, others: &str, clients: usize, time: Duration) {
     let of = |lang: &str, name: &str| {
         let library = component(name).library;
         format!("[[component]]\nlibrary = {library:?}\nname = {lang:?}\ncell = {lang:?}\n{FAST}")
     };
-    let both = of("c", "demo") + &of("python", "demo-py");
-    let daemon = Home::new().configured(&(both + others)).start(&[]);
+    let all: String = DEMOS.iter().map(|(lang, name)| of(lang, name)).collect();
+    let daemon = Home::new().configured(&(all + others)).start(&[]);
     assert_eq!(daemon.home().get("/ready?wait=60&deployed=true")["ready"], true, "all is loaded");
-    for name in ["c", "python"] {
+    for (name, _) in DEMOS {
         // It stands still and goes on to move, so that a codel runs in each period.
         daemon.ctl(&["pub", &format!("{name}/parameter"), "0"]).expect_code(0);
         daemon.ctl(&["start", name, "goto", "goal=1"]).expect_code(0);
@@ -90,15 +111,17 @@ fn lateness(how: &str, others: &str, clients: usize, time: Duration) {
             });
         }
         std::thread::sleep(Duration::from_secs(1));
-        let before = ["c", "python"].map(|name| buckets(home, name));
+        let before = DEMOS.map(|(name, _)| buckets(home, name));
         std::thread::sleep(time);
-        let after = ["c", "python"].map(|name| buckets(home, name));
+        let after = DEMOS.map(|(name, _)| buckets(home, name));
         over.store(true, Ordering::Relaxed);
-        let [c, python] = [0, 1].map(|at: usize| percentiles(&before[at], &after[at]));
-        for (name, [p50, p99, count]) in [("in C", c), ("in Python", python)] {
-            println!("{how:8} {name:30} {p50:>9.1}  {p99:>9.1}  {count:>9}");
+        let each = [0, 1, 2].map(|at: usize| percentiles(&before[at], &after[at]));
+        for ((name, _), [p50, p99, count]) in DEMOS.iter().zip(each) {
+            let (half, most) = (p50 / each[0][0], p99 / each[0][1]);
+            println!(
+                "{how:8} {name:10} {p50:>9.1} ({half:.2} of C)  {p99:>9.1} ({most:.2} of C)  {count:>9}"
+            );
         }
-        println!("{how:8} {:30} {:>9.2}  {:>9.2}", "ratio", python[0] / c[0], python[1] / c[1]);
     });
 }
 

@@ -53,9 +53,10 @@ pub fn program(name: &str) -> PathBuf {
     if let Some(genomd) = RELEASE.get() {
         return genomd.with_file_name(name);
     }
-    static BUILT: OnceLock<[PathBuf; 2]> = OnceLock::new();
-    let [genomd, genomctl] = BUILT.get_or_init(|| {
-        build_programs(paths(), ["genomd", "genomctl"], Purpose::Test)
+    static BUILT: OnceLock<[PathBuf; 3]> = OnceLock::new();
+    // The third one is what genomd runs for codels in Lua.
+    let [genomd, genomctl, _] = BUILT.get_or_init(|| {
+        build_programs(paths(), ["genomd", "genomctl", "genom-lua"], Purpose::Test)
             .unwrap_or_else(|error| panic!("{error}"))
     });
     match name {

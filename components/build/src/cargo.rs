@@ -51,7 +51,7 @@ pub fn build_programs<const N: usize>(
     let (option, mut arguments) = match purpose {
         Purpose::Use => ("--package", Vec::new()),
         // Any test will do; this one is of the package that has this function.
-        // The library is what cells with codels in Python load, beside the programs.
+        // The library is what cells with codels in scripts load, beside the programs.
         Purpose::Test => ("--bin", vec!["--workspace", "--test", "builds", "--lib"]),
     };
     arguments.extend(names.iter().flat_map(|name| [option, *name]));

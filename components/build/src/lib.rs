@@ -77,7 +77,10 @@ fn lock(paths: &Paths) -> Result<File, BuildError> {
 fn make(paths: &Paths, recipe: &Recipe) -> Result<Artifact, BuildError> {
     let directory = paths.target.join("components").join(&recipe.name);
     std::fs::create_dir_all(&directory).map_err(BuildError::file(&directory))?;
-    let kind = if recipe.language == Language::Python { "py" } else { "so" };
+    let kind = match recipe.language {
+        Language::Script(extension) => extension,
+        Language::C | Language::Rust => "so",
+    };
     let artifact = Artifact {
         name: recipe.name.clone(),
         library: directory.join(format!("{}.{kind}", recipe.stem)),
@@ -86,8 +89,8 @@ fn make(paths: &Paths, recipe: &Recipe) -> Result<Artifact, BuildError> {
     match recipe.language {
         Language::C => compile::library(paths, recipe, &artifact.library)?,
         Language::Rust => cargo::library(paths, recipe, &artifact.library)?,
-        Language::Python => {
-            let script = recipe.directory.join(format!("{}.py", recipe.stem));
+        Language::Script(extension) => {
+            let script = recipe.directory.join(format!("{}.{extension}", recipe.stem));
             copy_if_changed(&script, &artifact.library)?;
         }
     }

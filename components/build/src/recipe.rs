@@ -11,8 +11,8 @@ pub(crate) enum Language {
     C,
     /// Rust: the workspace's package that has the component's name.
     Rust,
-    /// Python: a file that is run as it is.
-    Python,
+    /// A script with this extension, which is run as it is.
+    Script(&'static str),
 }
 
 /// How one component is built.
@@ -61,7 +61,13 @@ impl Recipe {
 
     /// The same, with codels in Python, in `directory/stem.py`.
     fn in_python(mut self) -> Self {
-        self.language = Language::Python;
+        self.language = Language::Script("py");
+        self
+    }
+
+    /// The same, with codels in Lua, in `directory/stem.lua`.
+    fn in_lua(mut self) -> Self {
+        self.language = Language::Script("lua");
         self
     }
 
@@ -90,6 +96,7 @@ pub(crate) fn all(root: &Path) -> Result<Vec<Recipe>, BuildError> {
         Recipe::new("demo-rs", "demo-rs", demo)?.in_rust(),
         Recipe::new("demo-cpp", "demo-cpp", components.join("demo-cpp"))?,
         Recipe::new("demo-py", "demo-py", components.join("demo-py"))?.in_python(),
+        Recipe::new("demo-lua", "demo-lua", components.join("demo-lua"))?.in_lua(),
         Recipe::new("mission", "mission", components.join("mission"))?,
         Recipe::new("camera", "camera", components.join("camera"))?.sharing(&images),
         Recipe::new("stereo", "stereo", components.join("stereo"))?.sharing(&images).in_rust(),

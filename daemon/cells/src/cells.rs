@@ -171,7 +171,7 @@ impl Cells {
                 let place = place.and_then(|place| place.make().map(|()| place));
                 let place = place.map_err(|error| OpenError::Place(Arc::new(error)))?;
                 self.grant(name, &place, libraries);
-                self.choose_interpreter(name, &place, libraries);
+                self.choose_runner(name, &place, libraries);
                 self.begin(name, place, None)
             }
         };
@@ -182,14 +182,17 @@ impl Cells {
         Ok(cell)
     }
 
-    /// A cell that begins with codels in Python is a process of their interpreter.
-    fn choose_interpreter(&self, name: &str, place: &Place, libraries: &[PathBuf]) {
+    /// A cell that begins with codels in a script is a process of their runner.
+    fn choose_runner(&self, name: &str, place: &Place, libraries: &[PathBuf]) {
         let config = &self.setup.config;
         let of = |library: &PathBuf| LoadRequest { library: library.clone(), ..Default::default() };
-        if libraries.iter().map(of).any(|request| names_script(&request, &config.path))
-            && let Err(error) = place.set_interpreter(config.cells.python.as_ref())
-        {
-            tracing::error!("cell {name}: its interpreter cannot be written down: {error}");
+        let language = libraries.iter().map(of).find_map(|one| names_script(&one, &config.path));
+        let Some((command, key)) = language.and_then(|language| config.runner(language)) else {
+            return;
+        };
+        tracing::debug!("cell {name} runs `{}` ({key})", command.join(" "));
+        if let Err(error) = place.set_runner(&command) {
+            tracing::error!("cell {name}: its runner cannot be written down: {error}");
         }
     }
 

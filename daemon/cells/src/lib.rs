@@ -55,7 +55,7 @@ pub use deploy::DeployError;
 pub use done::Doing;
 pub use kept::{Kept, KeptError};
 pub use own::OwnCell;
-pub use program::{in_python, isolate_scripts, lacks_package};
+pub use program::{in_runner, isolate_scripts, lacks_package};
 pub use react::{Rules, react};
 pub use setup::{Cause, Failure, Setup, Told};
 pub use thaw::{FreezeError, ThawError};

@@ -131,7 +131,7 @@ impl Place {
             tracing::warn!("{} stays behind: {error}", self.0.display());
         }
         let _ = fs::remove_file(self.libraries());
-        let _ = fs::remove_file(self.interpreter_file());
+        let _ = fs::remove_file(self.runner_file());
         // Refused as long as another cell has its own there.
         let _ = self.0.parent().map(fs::remove_dir);
     }
@@ -201,20 +201,20 @@ impl Place {
         self.0.with_extension("libraries")
     }
 
-    /// The interpreter that its process is to run, if its codels are scripts. The file stands beside
-    /// the directory, where the cell itself cannot write.
-    pub(crate) fn interpreter(&self) -> Option<OsString> {
-        let name = fs::read(self.interpreter_file()).ok()?;
-        (!name.is_empty()).then(|| OsString::from_vec(name))
+    /// The words of the command of the runner that its process is to be, if its codels are scripts. The
+    /// file stands beside the directory, where the cell itself cannot write.
+    pub(crate) fn runner(&self) -> Option<Vec<OsString>> {
+        let words = fs::read(self.runner_file()).ok().filter(|words| !words.is_empty())?;
+        Some(words.split(|byte| *byte == 0).map(|word| OsString::from_vec(word.to_vec())).collect())
     }
 
-    /// Says which interpreter its process is to run, from its next start on.
-    pub(crate) fn set_interpreter(&self, name: &OsStr) -> io::Result<()> {
-        fs::write(self.interpreter_file(), name.as_bytes())
+    /// Says which runner its process is to be, from its next start on.
+    pub(crate) fn set_runner(&self, words: &[String]) -> io::Result<()> {
+        fs::write(self.runner_file(), words.join("\0"))
     }
 
-    fn interpreter_file(&self) -> PathBuf {
-        self.0.with_extension("interpreter")
+    fn runner_file(&self) -> PathBuf {
+        self.0.with_extension("runner")
     }
 
     /// Lets a cell in a sandbox read this directory, from its next start on.

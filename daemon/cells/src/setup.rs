@@ -20,7 +20,7 @@ use crate::crashes::Reports;
 use crate::done::Doing;
 use crate::end::End;
 use crate::place::Place;
-use crate::program::in_python;
+use crate::program::in_runner;
 use crate::theirs;
 
 /// What holds for all cells of a daemon.
@@ -102,8 +102,8 @@ impl Cause {
 impl Setup {
     /// What starts a process of the cell with files at this place.
     pub(crate) fn command(&self, place: &Place) -> Command {
-        match place.interpreter() {
-            Some(interpreter) => in_python(&interpreter),
+        match place.runner() {
+            Some(command) => in_runner(&command),
             None => Command::new(&self.program),
         }
     }

@@ -64,6 +64,9 @@ pub enum UsageError {
     /// A number of `[cells]`.
     #[error("cells.{key} = {value}: {what}")]
     Cells { key: String, value: f64, what: String },
+    /// A section `[runners.NAME]`.
+    #[error("runners.{name}: {what}")]
+    Runner { name: String, what: String },
     /// A number of `[cells.limits]` or `[cell.NAME]`.
     #[error("{key} = {value}: {what}")]
     Limit { key: String, value: i128, what: String },

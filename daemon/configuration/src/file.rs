@@ -26,6 +26,7 @@ use crate::overrides;
 use crate::recordings::RecordingsSection;
 use crate::reload::ReloadSection;
 use crate::rpc::Rpc;
+use crate::runners::{self, Runners};
 use crate::spot;
 use crate::web::WebSection;
 
@@ -69,6 +70,8 @@ pub struct Config {
     pub lifecycle: LifecycleSection,
     /// Processes of their own for components.
     pub cells: CellsSection,
+    /// Programs that run codels in other languages, by the name of the language.
+    pub runners: Runners,
     /// Middlewares in processes of their own.
     pub gateways: GatewaysSection,
     /// Reports of cells that crashed.
@@ -140,6 +143,7 @@ impl Default for Config {
             foxglove: FoxgloveSection::default(),
             lifecycle: LifecycleSection::default(),
             cells: CellsSection::default(),
+            runners: Runners::new(),
             gateways: GatewaysSection::default(),
             crashes: CrashesSection::default(),
             reload: ReloadSection::default(),
@@ -193,6 +197,10 @@ impl Config {
         let states = self.crashes.directory.iter_mut().chain(&mut self.blackbox.directory);
         let states = states.chain(&mut self.recordings.directory);
         states.for_each(|directory| anchor(base, directory));
+        let commands = self.runners.values_mut().filter_map(|one| one.command.first_mut());
+        for program in commands.filter(|program| program.contains('/')) {
+            *program = base.join(&program).to_string_lossy().into_owned();
+        }
         self.rpc.token_file.iter_mut().for_each(|file| anchor(base, file));
         if let Some(tls) = &mut self.rpc.tls {
             let files = [&mut tls.cert, &mut tls.key].into_iter().chain(&mut tls.client_ca);
@@ -224,6 +232,35 @@ impl Config {
     pub fn check_limits(&self) -> Result<(), UsageError> {
         self.cells.limits.check("cells.limits")?;
         self.cell.iter().try_for_each(|(name, limits)| limits.check(&format!("cell.{name}")))
+    }
+
+    /// The command that runs scripts of a language, and the key that names its program; `None` of a
+    /// language that has none.
+    #[must_use]
+    pub fn runner(&self, language: &str) -> Option<(Vec<String>, String)> {
+        let command = runners::command(&self.runners, language, &self.cells.python)?;
+        Some((command, runners::key(language)))
+    }
+
+    /// The section of a runner as an argument of `--set`, if there is one.
+    #[must_use]
+    pub fn runner_setting(&self, language: &str) -> Option<String> {
+        let value = toml::Value::try_from(self.runners.get(language)?).ok()?;
+        Some(format!("runners.{language}={value}"))
+    }
+
+    /// The languages that only this configuration knows, with the extensions of their scripts.
+    #[must_use]
+    pub fn languages(&self) -> Vec<(String, String)> {
+        runners::added(&self.runners)
+    }
+
+    /// Checks the sections of runners.
+    ///
+    /// # Errors
+    /// One has no command, or the extension of something else.
+    pub fn check_runners(&self) -> Result<(), UsageError> {
+        runners::check(&self.runners)
     }
 
     /// The configuration as TOML.

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest as _, Sha256};
 
 use crate::error::OpenError;
+use crate::languages;
 use crate::read::{self, EmbeddedDescription};
 
 /// The content of a library file for this machine. No code of it runs yet.
@@ -23,7 +24,7 @@ pub type Digest = [u8; 32];
 /// Whether the codels in this file are a script: text that an interpreter runs.
 #[must_use]
 pub fn is_script(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension == "py")
+    languages::of(path).is_some()
 }
 
 impl Contents {

@@ -5,6 +5,7 @@
 mod contents;
 pub mod debug;
 mod error;
+pub mod languages;
 mod read;
 mod sections;
 

@@ -28,10 +28,9 @@ pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
         return Err(Refusal::usage("--check goes with the libraries to check"));
     }
     let refused = settings.deployment.component.iter().filter_map(|request| {
-        if loading::names_script(request, &settings.supervisor.path)
-            && !genom_host::interpreter::is_there()
-        {
-            return refused_in_python(&settings, request);
+        let script = loading::names_script(request, &settings.supervisor.path);
+        if let Some(language) = script.filter(|_| !genom_host::interpreter::is_there()) {
+            return refused_by_runner(&settings, request, language);
         }
         match loading::fit(&settings.supervisor, request) {
             Ok(line) => {
@@ -50,12 +49,19 @@ pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
     if refused.is_empty() { Ok(()) } else { Err(Refusal::component(refused.join("\n"))) }
 }
 
-/// Has the interpreter of its codels check a component, in a process that prints the result; returns
-/// why it is refused.
-fn refused_in_python(settings: &Settings, request: &LoadRequest) -> Option<String> {
-    let interpreter = &settings.config.cells.python;
-    let mut command = genom_cells::in_python(interpreter.as_ref());
+/// Has the runner of its codels check a component, in a process that prints the result; returns why it
+/// is refused.
+fn refused_by_runner(settings: &Settings, request: &LoadRequest, language: &str) -> Option<String> {
+    let Some((words, key)) = settings.config.runner(language) else {
+        let library = request.library.display();
+        return Some(format!("{library}: nothing runs codels in {language} (runners.{language})"));
+    };
+    let mut command = genom_cells::in_runner(&words);
     command.arg("--check");
+    if let Some(runner) = settings.config.runner_setting(language) {
+        // Otherwise the process would not know which files are of that language.
+        command.arg("--set").arg(runner);
+    }
     for (option, directories) in
         [("--path", &settings.supervisor.path), ("--include", &settings.supervisor.include)]
     {
@@ -74,12 +80,13 @@ fn refused_in_python(settings: &Settings, request: &LoadRequest) -> Option<Strin
             if done.status.success() {
                 return None;
             }
-            let lacks = genom_cells::lacks_package(interpreter.as_ref());
+            let lacks = genom_cells::lacks_package(&words);
             Some(lacks.map_or_else(|| said.to_owned(), |why| format!("{library}: {why}")))
         }
         Err(error) => Some(format!(
-            "{library}: its codels are in Python, and `{interpreter}` does not run: {error}; \
-             cells.python names the interpreter"
+            "{library}: its codels are in {language}, and `{}` does not run: {error}; {key} names \
+             the interpreter",
+            command.get_program().display()
         )),
     }
 }

@@ -61,6 +61,9 @@ impl Settings {
         let rpc = RpcSettings::new(config.rpc.clone())?;
         let cells = CellSettings::new(&config.cells)?;
         config.check_limits()?;
+        config.check_runners()?;
+        // Before any file is looked at.
+        genom_host::languages::add(config.languages());
         config.services.check()?;
         config.web.check(&config.rpc)?;
         config.foxglove.check(&config.rpc)?;

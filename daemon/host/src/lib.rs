@@ -28,6 +28,7 @@ pub use component::{
     CannotExchange, Component, Conversions, LoadError, LoadErrors, MemoryCheck, check_memory,
 };
 pub use crash_note::{note_crashes_in, wait_for_dumps_at};
+pub use genom_elf::languages;
 pub use genom_interpreter as interpreter;
 pub use last_words::{abort_in, end_is_ours, tell_last_words};
 pub use library::{Contents, Digest, EmbeddedDescription, Library, OpenError, is_script};

@@ -19,6 +19,9 @@ use genom_runtime::plan::Plan;
 
 /// Makes C functions of the codels in a script.
 pub trait Interpreter: Send + Sync {
+    /// The language of its scripts, as in `lang`.
+    fn language(&self) -> &str;
+
     /// Runs the text of a script, and compares its functions with the codels of the plan: their
     /// names, their parameters, and what they can be seen to return.
     ///

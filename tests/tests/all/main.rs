@@ -25,6 +25,7 @@ mod forger;
 mod foxglove;
 mod freezing;
 mod gateways;
+mod lua;
 mod process;
 mod projects;
 mod python;

@@ -38,6 +38,7 @@ enum Lang {
     Cxx,
     Rust,
     Python,
+    Lua,
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -70,11 +71,12 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let codels = match args.lang {
         Lang::C => args.compiled(Language::C),
         Lang::Cxx => args.compiled(Language::Cxx),
-        Lang::Python if args.with.is_some() => {
-            let message = "nothing builds codels in Python".to_owned();
+        Lang::Python | Lang::Lua if args.with.is_some() => {
+            let message = format!("nothing builds codels in {:?}", args.lang);
             return Err(Failure::usage(message, "leave out --with"));
         }
         Lang::Python => Codels::Python,
+        Lang::Lua => Codels::Lua,
         Lang::Rust if args.with.is_some() => {
             let message = "cargo builds components in Rust".to_owned();
             return Err(Failure::usage(message, "leave out --with"));
@@ -100,7 +102,7 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let library = library(&args.name, codels);
     let built = match codels {
         Codels::Compiled(..) | Codels::Rust { .. } => format!("genomctl build {place} && "),
-        Codels::Python => String::new(),
+        Codels::Python | Codels::Lua => String::new(),
     };
     text.push_str(&format!("next: {built}genomd {place}/{library}\n"));
     if session.json {

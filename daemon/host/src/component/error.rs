@@ -40,7 +40,7 @@ pub enum LoadError {
     #[error(
         "component `{component}` ({place}) has lang \"{lang}\": codels are called by the C \
          interface (lang \"c\"; their sources may be C++ or Rust), by that of C++ (lang \"c++\"), or are \
-         functions in a file .py (lang \"python\")"
+         functions of a script ({scripts})"
     )]
     Language {
         /// Name of the component.
@@ -49,13 +49,18 @@ pub enum LoadError {
         place: String,
         /// Its `lang`.
         lang: String,
+        /// Those of scripts.
+        scripts: String,
     },
-    /// The process cannot load scripts.
+    /// The process cannot load scripts of this language.
     #[error(
-        "codels in Python run in a cell that begins with them, and this process is none: give the \
-         component a cell of its own, or take those of other components out of it first"
+        "codels in {language} run in a cell that begins with them, and this process is none: give \
+         the component a cell of its own, or take those of other components out of it first"
     )]
-    NoInterpreter,
+    NoInterpreter {
+        /// As in `lang`.
+        language: &'static str,
+    },
     /// The script does not fit the description.
     #[error("{0}")]
     Codels(String),

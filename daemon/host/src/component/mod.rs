@@ -34,7 +34,7 @@ use serde_json::Value;
 use crate::contract;
 use crate::library::{Contents, Library};
 use inner::Inner;
-use parts::{Parts, SCRIPTED};
+use parts::Parts;
 use types::Checker;
 
 /// One instance of a component: its private copy of the library, its IDS, ports and remotes.
@@ -86,15 +86,17 @@ impl Component {
     ) -> Result<Self, LoadErrors> {
         let refuse = |errors| LoadErrors { library: script.path.clone(), errors };
         let model = plan.component();
-        if model.lang != SCRIPTED {
+        let language = genom_elf::languages::of(&script.path).unwrap_or_default();
+        if model.lang != language {
             let (component, place, lang) = (&model.name, locate(model.span), &model.lang);
             return Err(refuse(vec![LoadError::Codels(format!(
-                "codels in Python, but component `{component}` ({place}) has lang \"{lang}\": say \
-                 lang \"{SCRIPTED}\" there"
+                "its codels are in {language}, but component `{component}` ({place}) has lang \
+                 \"{lang}\": say lang \"{language}\" there"
             ))]));
         }
-        let Some(interpreter) = genom_interpreter::own() else {
-            return Err(refuse(vec![LoadError::NoInterpreter]));
+        let own = genom_interpreter::own().filter(|own| own.language() == language);
+        let Some(interpreter) = own else {
+            return Err(refuse(vec![LoadError::NoInterpreter { language }]));
         };
         let given = interpreter
             .load(&script, plan, locate)

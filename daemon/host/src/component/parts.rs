@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 use genom_description::model::{
     CodelIx, Indexed, Port, PortIx, RemoteIx, Service, ServiceIx, StateIx,
 };
+use genom_elf::languages;
 use genom_runtime::plan::{Event, Meaning, Plan};
 use genom_types::{DataType, Kind, Record, ScopedName, TypeTable};
 
@@ -24,9 +25,6 @@ use crate::ports::{InCxx, Ports};
 use crate::remotes::{Remotes, Signature};
 use crate::shared::Shared;
 
-/// `lang` of components whose codels are a script.
-pub(super) const SCRIPTED: &str = "python";
-
 /// Events that the host itself may pass to a library, besides declared exceptions.
 const GIVEN: &[&str] = &[
     "::genom::fatal",
@@ -40,6 +38,12 @@ const GIVEN: &[&str] = &[
     "::genom::no_such_service",
     "::genom::remote_io",
 ];
+
+/// Languages of scripts, for a message.
+fn scripts() -> String {
+    let each = |(name, extension)| format!("lang \"{name}\" in a file .{extension}");
+    languages::all().map(each).collect::<Vec<_>>().join(", ")
+}
 
 /// All parts whose preparation can fail.
 pub(super) struct Parts {
@@ -56,12 +60,16 @@ pub(super) struct Parts {
 impl Parts {
     pub(super) fn new(checker: &mut Checker<'_>, plan: &Plan, library: &Library) -> Option<Self> {
         let model = plan.component();
-        let called = if library.is_script() { &[SCRIPTED][..] } else { &["c", "c++"] };
-        if !called.contains(&model.lang.as_str()) {
+        let called = match languages::of(library.path()) {
+            Some(language) if library.is_script() => model.lang == language,
+            _ => ["c", "c++"].contains(&model.lang.as_str()),
+        };
+        if !called {
             checker.errors.push(LoadError::Language {
                 component: model.name.clone(),
                 place: (checker.locate)(model.span),
                 lang: model.lang.clone(),
+                scripts: scripts(),
             });
             return None;
         }

@@ -31,6 +31,10 @@ const PYTHON: &str = include_str!("../../templates/new/python/codels.py");
 const PYTHON_README: &str = include_str!("../../templates/new/python/README.md");
 const PYTHON_CI: &str = include_str!("../../templates/new/python/ci.yml");
 
+// Lua, which is not built either.
+const LUA: &str = include_str!("../../templates/new/lua/codels.lua");
+const LUA_README: &str = include_str!("../../templates/new/lua/README.md");
+
 /// What the codels of a new component are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Codels<'a> {
@@ -43,6 +47,8 @@ pub enum Codels<'a> {
     },
     /// Python.
     Python,
+    /// Lua.
+    Lua,
 }
 
 /// Why a word cannot be the name of a component.
@@ -66,6 +72,7 @@ pub fn library(name: &str, codels: Codels<'_>) -> String {
         // As installed components are named; a crate may not have every name of a component.
         Codels::Rust { .. } => format!("target/debug/lib{name}_codels.so"),
         Codels::Python => format!("{name}.py"),
+        Codels::Lua => format!("{name}.lua"),
     }
 }
 
@@ -77,15 +84,18 @@ pub fn files(name: &str, codels: Codels<'_>) -> Vec<File> {
         Codels::Compiled(Language::Cxx, _) => "c++",
         Codels::Compiled(Language::C, _) | Codels::Rust { .. } => "c",
         Codels::Python => "python",
+        Codels::Lua => "lua",
     };
     let (test, sources, built) = match codels {
         Codels::Compiled(_, tool) => (tool.test(), "codels", tool.built()),
         Codels::Rust { .. } => ("genomctl test", "src/codels.rs", "target/"),
         Codels::Python => ("genomctl test", library.as_str(), "__pycache__/"),
+        Codels::Lua => ("genomctl test", library.as_str(), ""),
     };
     let (readme, ci) = match codels {
         Codels::Compiled(..) | Codels::Rust { .. } => (README, CI),
         Codels::Python => (PYTHON_README, PYTHON_CI),
+        Codels::Lua => (LUA_README, PYTHON_CI),
     };
     let fill = |text: &str| {
         text.replace("%NAME%", name)
@@ -113,6 +123,7 @@ pub fn files(name: &str, codels: Codels<'_>) -> Vec<File> {
             list.extend(tool.files(name, &fill(GEN), language, sheet));
         }
         Codels::Python => list.push(File::new(library.clone(), fill(PYTHON))),
+        Codels::Lua => list.push(File::new(library.clone(), fill(LUA))),
         Codels::Rust { sdk } => {
             let sdk = sdk.to_string_lossy();
             // Within a string of TOML.
@@ -146,7 +157,7 @@ mod tests {
         let compiled = [Language::C, Language::Cxx]
             .into_iter()
             .flat_map(|language| tools.map(|tool| Codels::Compiled(language, tool)));
-        for codels in compiled.chain([Codels::Rust { sdk }, Codels::Python]) {
+        for codels in compiled.chain([Codels::Rust { sdk }, Codels::Python, Codels::Lua]) {
             let files = files("arm", codels);
             let gen_file = files.iter().find(|file| file.path.ends_with("arm.gen")).unwrap();
             let analysis = read_text("arm.gen", &gen_file.text, &Options::default());

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use genom_host::{Contents, EmbeddedDescription, is_script};
+use genom_host::{Contents, EmbeddedDescription, is_script, languages};
 
 use super::installed;
 use crate::known::Description;
@@ -47,10 +47,10 @@ pub enum LocateError {
     Library(#[from] genom_host::OpenError),
 }
 
-/// Whether the codels that a request names are a script, which only a process with an interpreter
-/// loads; `false` for what is not found. Runs no program.
-pub fn names_script(request: &LoadRequest, path: &[PathBuf]) -> bool {
-    library_of(&request.library, path).is_some_and(|library| is_script(&library))
+/// The language of the codels that a request names, if they are a script, which only a process with
+/// its interpreter loads; `None` for what is not found. Runs no program.
+pub fn names_script(request: &LoadRequest, path: &[PathBuf]) -> Option<&'static str> {
+    languages::of(&library_of(&request.library, path)?)
 }
 
 fn list(paths: &[PathBuf]) -> String {
@@ -161,11 +161,12 @@ fn packaged(wanted: &Path) -> Option<PathBuf> {
 }
 
 /// Possible names of the library: `demo.so`, `libdemo_codels.so` (as GenoM3 names it),
-/// `libdemo.so`, or for codels in Python `demo.py`.
+/// `libdemo.so`, or for codels in a script `demo.py` or as their language has it.
 fn candidates(wanted: &Path) -> Vec<PathBuf> {
     let stem = wanted.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let names = ["{}.so", "lib{}_codels.so", "lib{}.so", "{}.py"];
-    names.map(|name| wanted.with_file_name(name.replace("{}", &stem))).to_vec()
+    let built = ["{}.so", "lib{}_codels.so", "lib{}.so"].map(|name| name.replace("{}", &stem));
+    let scripts = languages::all().map(|(_, extension)| format!("{stem}.{extension}"));
+    built.into_iter().chain(scripts).map(|name| wanted.with_file_name(name)).collect()
 }
 
 /// The absolute path, whose parent directories are known.

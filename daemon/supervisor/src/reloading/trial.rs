@@ -1,6 +1,7 @@
 //! In a cell, keeps what a component ran before a reload until the new library has proved itself: if
 //! the process ends meanwhile, the next one goes on with what was kept.
 
+use std::ffi::OsStr;
 use std::fs;
 use std::io;
 use std::os::unix::fs::DirBuilderExt as _;
@@ -84,7 +85,8 @@ impl Trial {
         let copy = build.request.instead.unwrap_or_else(|| {
             let digest: String =
                 build.digest.iter().take(6).map(|byte| format!("{byte:02x}")).collect();
-            let kind = if contents.is_script() { "py" } else { "so" };
+            let script = contents.is_script().then(|| contents.path.extension()).flatten();
+            let kind = script.map_or("so".into(), OsStr::to_string_lossy);
             // No other process wrote one of this library here before.
             place.join(format!("{}.{digest}.{}-{number}.{kind}", hosted.name, std::process::id()))
         });

@@ -50,6 +50,7 @@ const SECTIONS: &[Section] = &[
     section("[cells]", "daemon/configuration/src/cells.rs", "CellsSection", &["cells"]),
     section("[cells.limits]", "daemon/configuration/src/limits.rs", "CellLimits", &["none"]),
     section("[cell.NAME]", "daemon/configuration/src/limits.rs", "CellLimits", &["none"]),
+    section("[runners.NAME]", "daemon/configuration/src/runners.rs", "RunnerSection", &["none"]),
     section("[gateways]", "daemon/configuration/src/gateways.rs", "GatewaysSection", &["gateways"]),
     section("[crashes]", "daemon/configuration/src/crashes.rs", "CrashesSection", &["crashes"]),
     section("[reload]", "daemon/configuration/src/reload.rs", "ReloadSection", &["reload"]),

@@ -1,5 +1,5 @@
 //! The demo, used through `genomd --backend B demo.so` and `genomctl`: with codels in C, and with codels
-//! in Python, in a cell of their own.
+//! in Python and in Lua, in a cell of their own.
 
 use genom_tests::{Daemon, component, path};
 use serde_json::{Value, json};
@@ -39,6 +39,7 @@ macro_rules! all_rules {
 
 all_rules!(in_c, "demo");
 all_rules!(in_python, "demo-py");
+all_rules!(in_lua, "demo-lua");
 
 /// Starts a daemon with this demo.
 #[track_caller]

@@ -49,7 +49,7 @@ fn a_script_that_does_not_run_is_told_with_its_line() {
 #[test]
 fn description_and_file_agree_on_the_language() {
     let in_c = DESCRIPTION.replace("\"python\"", "\"c\"");
-    refused(&in_c, SCRIPT, &["codels in Python, but component `axis`", "has lang \"c\""]);
+    refused(&in_c, SCRIPT, &["its codels are in python, but component `axis`", "has lang \"c\""]);
 }
 
 #[test]

@@ -371,7 +371,7 @@ fn a_daemon_that_does_not_begin() {
                 a.toml:3: begin
                   at        0.000000000 s
                   expected  a daemon with what the scenario names
-                  came      its configuration:31: component.library: no library for nothing: there is no nothing.so nor libnothing_codels.so nor libnothing.so nor nothing.py, and none is installed; build the component, or name its directory or installation prefix with --path or GENOM_PATH
+                  came      its configuration:31: component.library: no library for nothing: there is no nothing.so nor libnothing_codels.so nor libnothing.so nor nothing.py nor nothing.lua, and none is installed; build the component, or name its directory or installation prefix with --path or GENOM_PATH
         1 scenario: 0 passed, 1 failed
     "#]],
     );

@@ -143,7 +143,7 @@ fn a_scenario_in_python_that_does_not_hold_is_told_with_line_time_and_values() {
                 a.py:14: d.load("dome")
                   at        0.000000000 s
                   expected  that it is done
-                  came      no_such_library: no library for dome: there is no dome.so nor libdome_codels.so nor libdome.so nor dome.py, and none is installed; build the component, or name its directory or installation prefix with --path or GENOM_PATH (at /library)
+                  came      no_such_library: no library for dome: there is no dome.so nor libdome_codels.so nor libdome.so nor dome.py nor dome.lua, and none is installed; build the component, or name its directory or installation prefix with --path or GENOM_PATH (at /library)
           ERROR breaks (0 steps, 0.000000000 s)
                 a.py:17: 1 / 0
                   at        0.000000000 s

@@ -43,6 +43,7 @@ pub(super) const ARROWS: &[(&str, &[&str])] = &[
     ("genom-timekeeper", TIMEKEEPER),
     ("genom-client", &["genom-protocol"]),
     ("genom-client-c", &["genom-client"]),
+    ("genom-lua", &["genom-nearest"]),
     ("genom-doctor", &["genom-protocol"]),
     ("genom-scenario", &["genom-apart", "genom-nearest", "genom-protocol", "genom-stage"]),
     ("genom-ports", PORTS),
@@ -68,7 +69,7 @@ pub(super) const ARROWS: &[(&str, &[&str])] = &[
     ("genomctl", GENOMCTL),
     // The daemon once more, as a library.
     (
-        "genom-python",
+        "genom-runner",
         &["genom-description", "genom-host", "genom-runtime", "genom-types", "genomd"],
     ),
     ("genom-derive", &[]),
@@ -189,8 +190,14 @@ const BACKENDS: &[&str] = &[
     "genom-shm",
     "genom-zenoh",
 ];
-const CONFIGURATION: &[&str] =
-    &["genom-middleware", "genom-nearest", "genom-protocol", "genom-registry", "genom-runtime"];
+const CONFIGURATION: &[&str] = &[
+    "genom-elf",
+    "genom-middleware",
+    "genom-nearest",
+    "genom-protocol",
+    "genom-registry",
+    "genom-runtime",
+];
 const SUPERVISOR: &[&str] = &[
     "genom-blackbox",
     "genom-bus",
@@ -221,4 +228,4 @@ const BACKEND: &[&str] = &["genom-kit", "genom-middleware", "genom-types"];
 const ROS2: &[&str] =
     &["genom-kit", "genom-middleware", "genom-rosidl", "genom-rtps-guard", "genom-types"];
 /// Crates at the top: they may use any other.
-pub(super) const TOP: &[&str] = &["genomd", "genom-python", "genom-tests"];
+pub(super) const TOP: &[&str] = &["genomd", "genom-runner", "genom-tests"];

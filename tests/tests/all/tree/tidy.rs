@@ -15,7 +15,7 @@ const FLOORS: &[(&str, &str)] = &[
     ("registry", "known backends masquerade lib"),
     (
         "configuration",
-        "error limits cells states crashes reload gateways pattern blackbox recordings levels place terms offers rpc web foxglove lifecycle spot overrides file lib",
+        "error limits runners cells states crashes reload gateways pattern blackbox recordings levels place terms offers rpc web foxglove lifecycle spot overrides file lib",
     ),
     ("ports", "dates gauge key tape fan feeds tap lib"),
     (

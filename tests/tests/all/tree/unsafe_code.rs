@@ -15,8 +15,9 @@ const UNSAFE: &[&str] = &[
     "genom-shm",
     "genom",
     "genom-allocations",
-    // What a Python interpreter calls, in one module.
-    "genom-python",
+    // What runners call, and what that for Lua does with it, in one module each.
+    "genom-runner",
+    "genom-lua",
     // Memory that a daemon and its program have, in one module; and what C calls.
     "genom-client",
     "genom-client-c",

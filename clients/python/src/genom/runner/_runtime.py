@@ -29,7 +29,7 @@ class Runtime:
         path = os.environ.get(VARIABLE)
         if not path:
             raise NoRuntime(
-                f"{VARIABLE} names no library: genomd found no libgenom_python.so beside itself; "
+                f"{VARIABLE} names no library: genomd found no libgenom_runner.so beside itself; "
                 "install all of its package"
             )
         try:
@@ -44,7 +44,8 @@ class Runtime:
                 f"pip install genom=={version}"
             )
         self._library.genom_run.argtypes = [
-            ctypes.c_size_t, ctypes.POINTER(ctypes.c_char_p), _LOAD, _RELEASE, _WHERE,
+            ctypes.c_char_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_char_p), _LOAD, _RELEASE,
+            _WHERE,
         ]
         self._library.genom_answer.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_size_t]
         self._library.genom_answer.restype = None
@@ -81,4 +82,4 @@ class Runtime:
         for place in {*sys.path, sys.prefix, sys.base_prefix, sys.exec_prefix} - {""}:
             self._library.genom_reads(os.fsencode(os.path.abspath(place)))
         arguments = (ctypes.c_char_p * len(words))(*(os.fsencode(word) for word in words))
-        return int(self._library.genom_run(len(words), arguments, *functions))
+        return int(self._library.genom_run(b"python", len(words), arguments, *functions))

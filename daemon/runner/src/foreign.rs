@@ -32,8 +32,9 @@ type Where = unsafe extern "C" fn(codel: *const u8, size: usize);
 /// Takes what the interpreter says of a script.
 pub struct Answer(Vec<u8>);
 
-/// The interpreter that has this process.
-struct Python {
+/// The runner that has this process.
+struct Runner {
+    language: String,
     load: Load,
     release: Release,
     tells_where: Where,
@@ -55,7 +56,11 @@ impl Drop for Kept {
     }
 }
 
-impl Interpreter for Python {
+impl Interpreter for Runner {
+    fn language(&self) -> &str {
+        &self.language
+    }
+
     fn load(
         &self,
         script: &Contents,
@@ -95,14 +100,15 @@ pub unsafe extern "C" fn genom_reads(directory: *const c_char) {
     READS.lock().unwrap_or_else(PoisonError::into_inner).push(directory);
 }
 
-/// Runs `genomd` with these arguments, its name first, as a process that can load scripts; returns
-/// its exit status.
+/// Runs `genomd` with these arguments, its name first, as a process that can load scripts of a
+/// language, named as in `lang`; returns its exit status.
 ///
 /// # Safety
-/// `arguments` are `count` C strings. The functions may be called from any thread until the process
+/// `language` is a C string. `arguments` are `count` C strings. The functions may be called from any thread until the process
 /// ends, and do what their types say. The process calls this once.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn genom_run(
+    language: *const c_char,
     count: usize,
     arguments: *const *const c_char,
     load: Load,
@@ -115,7 +121,9 @@ pub unsafe extern "C" fn genom_run(
         OsString::from_vec(text.to_bytes().to_vec())
     };
     let arguments: Vec<OsString> = (0..count).map(argument).collect();
-    interpreter::set(Box::new(Python { load, release, tells_where }));
+    // SAFETY: the caller's promise.
+    let language = unsafe { CStr::from_ptr(language) }.to_string_lossy().into_owned();
+    interpreter::set(Box::new(Runner { language, load, release, tells_where }));
     c_int::from(genomd::run(arguments))
 }
 
