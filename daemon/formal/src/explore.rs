@@ -28,7 +28,7 @@ pub struct Limits {
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { states: 5_000_000, memory: 1 << 30, time: Duration::from_secs(60) }
+        Self { states: 5_000_000, memory: 1 << 30, time: Duration::from_secs(10) }
     }
 }
 
@@ -177,11 +177,11 @@ impl Explored {
 
 impl Limits {
     /// Limits of a first look, in which what is small is seen as a whole: a part of the time, and a
-    /// second if that is allowed.
+    /// second and a half if that is allowed.
     #[must_use]
     pub fn first(&self) -> Self {
         const PART: u32 = 40;
-        let time = (self.time / PART).max(Duration::from_secs(1)).min(self.time);
+        let time = (self.time / PART).max(Duration::from_millis(1500)).min(self.time);
         Self { states: self.states.min(500_000), time, ..*self }
     }
 

@@ -4,7 +4,7 @@
 use std::time::Instant;
 
 use crate::codels::small;
-use crate::explore::Limits;
+use crate::explore::{Limit, Limits};
 use crate::played::Course;
 use crate::property::needed;
 use crate::schedule::{Processors, Scheduled};
@@ -14,6 +14,9 @@ use crate::timed::{Potential, Timed, TimedReport, Times, seek};
 
 /// Zones of a search for a task that is late, at most.
 const ZONES: usize = 1_000_000;
+/// The part of the time that all looks at ticks together have, in fifths: states and responses are
+/// looked at, too.
+const FIFTHS: u32 = 3;
 
 impl System {
     /// Whether tasks end their cycles before their next ticks. Tasks that have nothing to do with
@@ -23,11 +26,13 @@ impl System {
     pub fn check_ticks(&self, times: &Times, limits: &Limits) -> TimedReport {
         let mut all = TimedReport::default();
         let (begin, first, parts) = (Instant::now(), limits.first(), self.apart());
+        let whole = Limits { time: limits.time / 5 * FIFTHS, ..*limits };
         let mut others = parts.len();
         for (tasks, part) in parts {
             others -= 1;
             let first = first.share(begin, others);
-            let mut found = part.check_group(times, (&first, limits), &tasks);
+            let whole = whole.share(begin, others);
+            let mut found = part.check_group(times, (&first, &whole), &tasks);
             if part.looked_at.contains(&false) {
                 for (task, found) in tasks.iter().zip(&mut found.tasks) {
                     if found.is_late() {
@@ -36,6 +41,13 @@ impl System {
                 }
             }
             all.add(found);
+        }
+        let limit = all.explored.limit;
+        let is_own =
+            matches!(limit, Some(Limit::Memory(_))) || limit == Some(Limit::States(limits.states));
+        if !is_own && all.tasks.iter().any(|task| task.open) {
+            // Not that of a first look.
+            all.explored.limit = Some(Limit::Time(limits.time));
         }
         let order = |name: &str| self.plan.component().tasks.iter().position(|t| t.name == name);
         all.tasks.sort_by_key(|task| order(&task.name));
@@ -58,6 +70,7 @@ impl System {
         (first, limits): (&Limits, &Limits),
         tasks: &[u16],
     ) -> TimedReport {
+        let begin = Instant::now();
         let mut report = self.check_times(times, first);
         if report.limit().is_none() {
             return report;
@@ -70,10 +83,15 @@ impl System {
                 task.slowest.clear();
             }
         }
+        let mut open = report.tasks.iter().filter(|task| task.open).count();
         for (task, found) in tasks.iter().zip(&mut report.tasks) {
             let Some(sum) = sum(&found.name).filter(|_| found.open) else { continue };
-            let run = self.parts(times, sum).iter().find_map(|part| {
-                let limits = Limits { states: limits.states.min(ZONES), ..limits.first() };
+            let (parts, seek_begin) = (self.parts(times, sum), Instant::now());
+            open -= 1;
+            let all = limits.share(begin, open);
+            let run = parts.iter().zip(1..).find_map(|(part, number)| {
+                let limits = all.share(seek_begin, parts.len() - number);
+                let limits = Limits { states: limits.states.min(ZONES), ..limits };
                 seek(part, times, &limits, &Potential::new(part, times, *task)?)
             });
             if let Some(run) = run {
@@ -84,9 +102,10 @@ impl System {
                 found.slowest.clear();
             }
         }
-        if report.tasks.iter().any(|task| task.open) {
+        let left = limits.share(begin, 0);
+        if left.time > first.time && report.tasks.iter().any(|task| task.open) {
             // There is more to see.
-            let mut whole = self.check_times(times, limits);
+            let mut whole = self.check_times(times, &left);
             for (task, known) in whole.tasks.iter_mut().zip(report.tasks) {
                 if task.open && !known.open {
                     *task = known;

@@ -5,15 +5,18 @@
 #![forbid(unsafe_code)]
 
 mod happening;
+mod judge;
 mod order;
 mod past;
 mod place;
 mod program;
 mod sequence;
+mod steps;
 
 pub use happening::{Happening, Hearers, Numbers};
+pub use judge::Judge;
 pub use order::{MOST_STEPS, NoOrder, Order};
 pub use past::Bounds;
 pub use place::Places;
-pub use program::{Judge, MOST_PARTS, NoProgram, Part, Program};
+pub use program::{MOST_PARTS, NoProgram, Part, Program};
 pub use sequence::Sequence;

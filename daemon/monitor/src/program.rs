@@ -1,10 +1,9 @@
-//! Formulas, compiled: one bit for each part, computed from the parts before it and from what held
-//! at the event before (Havelund and Rosu, Synthesizing Monitors for Safety Properties, 2002).
+//! Formulas without names.
 
 use genom_description::model::ServiceIx;
 
 use crate::happening::Happening;
-use crate::past::{Bounds, Past};
+use crate::past::Bounds;
 
 /// Limit on the parts of a formula.
 pub const MOST_PARTS: usize = 64;
@@ -71,7 +70,13 @@ impl Part {
         }
     }
 
-    fn bounds(&self) -> Option<Bounds> {
+    /// The parts that its value at an event is made of, at that same event.
+    pub(crate) fn made_of_now(&self) -> impl Iterator<Item = usize> {
+        let before = matches!(self, Self::Previous(_));
+        self.made_of().into_iter().flatten().filter(move |_| !before)
+    }
+
+    pub(crate) fn bounds(&self) -> Option<Bounds> {
         match self {
             Self::Once(bounds, _) | Self::Historically(bounds, _) | Self::Since(bounds, ..) => {
                 Some(*bounds)
@@ -139,149 +144,5 @@ impl Program {
             });
         }
         all
-    }
-}
-
-/// A formula at one moment.
-#[derive(Clone, Debug)]
-pub struct Judge {
-    parts: Box<[Compiled]>,
-    /// For each of what it hears, the parts that hold by that alone.
-    truths: Box<[u64]>,
-    /// For each of what it hears, the services that start or end by it, as parts.
-    moves: Box<[(u64, u64)]>,
-    /// How many times each service of a part runs.
-    running: Box<[u32]>,
-    pasts: Box<[Past]>,
-    /// What held at the event before.
-    before: u64,
-}
-
-/// A part, small.
-#[derive(Clone, Copy, Debug)]
-enum Compiled {
-    Constant(bool),
-    /// By what happens.
-    Given,
-    Runs,
-    Not(u8),
-    And(u8, u8),
-    Or(u8, u8),
-    Implies(u8, u8),
-    Previous(u8),
-    Once(u8, u8),
-    Historically(u8, u8),
-    Since(u8, u8, u8),
-}
-
-impl Judge {
-    /// At the beginning: nothing has happened.
-    #[must_use]
-    pub fn new(program: &Program) -> Self {
-        let small = |at: usize| u8::try_from(at).unwrap_or(u8::MAX);
-        let mut pasts = Vec::new();
-        let mut past = |bounds: Bounds| {
-            pasts.push(Past::new(bounds));
-            small(pasts.len() - 1)
-        };
-        let compiled = |part: &Part| match *part {
-            Part::Constant(value) => Compiled::Constant(value),
-            Part::Happens(_) => Compiled::Given,
-            Part::Runs(_) => Compiled::Runs,
-            Part::Not(a) => Compiled::Not(small(a)),
-            Part::And(a, b) => Compiled::And(small(a), small(b)),
-            Part::Or(a, b) => Compiled::Or(small(a), small(b)),
-            Part::Implies(a, b) => Compiled::Implies(small(a), small(b)),
-            Part::Previous(a) => Compiled::Previous(small(a)),
-            Part::Once(bounds, a) => Compiled::Once(past(bounds), small(a)),
-            Part::Historically(bounds, a) => Compiled::Historically(past(bounds), small(a)),
-            Part::Since(bounds, a, b) => Compiled::Since(past(bounds), small(a), small(b)),
-        };
-        let parts = program.parts.iter().map(compiled).collect();
-        let heard = program.hears();
-        let mask = |so: &dyn Fn(&Part) -> bool| {
-            let all = program.parts.iter().enumerate().filter(|(_, part)| so(part));
-            all.fold(0, |mask, (at, _)| mask | 1 << at)
-        };
-        let truth = |what: &Happening| {
-            mask(&|part| matches!(part, Part::Happens(all) if all.contains(what)))
-        };
-        let moves = |what: &Happening| {
-            let of = |service: ServiceIx| mask(&|part| *part == Part::Runs(service));
-            match *what {
-                Happening::Start(service) => (of(service), 0),
-                Happening::End(service) => (0, of(service)),
-                _ => (0, 0),
-            }
-        };
-        Self {
-            parts,
-            truths: heard.iter().map(truth).collect(),
-            moves: heard.iter().map(moves).collect(),
-            running: vec![0; program.parts.len()].into_boxed_slice(),
-            pasts: pasts.into_boxed_slice(),
-            before: 0,
-        }
-    }
-
-    /// What is heard under this number happens at this date. Returns the part because of which the
-    /// formula does not hold.
-    #[inline]
-    pub fn hear(&mut self, letter: usize, now: u64) -> Option<usize> {
-        let given = self.truths.get(letter).copied().unwrap_or_default();
-        let (starts, ends) = self.moves.get(letter).copied().unwrap_or_default();
-        let mut held = 0u64;
-        let bit = |bits: u64, at: u8| bits >> at & 1 == 1;
-        for (at, part) in self.parts.iter().enumerate() {
-            let holds = match *part {
-                Compiled::Constant(value) => value,
-                Compiled::Given => given >> at & 1 == 1,
-                Compiled::Runs => {
-                    let running = &mut self.running[at];
-                    *running += u32::from(starts >> at & 1 == 1);
-                    *running = running.saturating_sub(u32::from(ends >> at & 1 == 1));
-                    *running > 0
-                }
-                Compiled::Not(a) => !bit(held, a),
-                Compiled::And(a, b) => bit(held, a) && bit(held, b),
-                Compiled::Or(a, b) => bit(held, a) || bit(held, b),
-                Compiled::Implies(a, b) => !bit(held, a) || bit(held, b),
-                Compiled::Previous(a) => bit(self.before, a),
-                Compiled::Once(past, a) => {
-                    self.pasts[usize::from(past)].goes_on(true, bit(held, a), now)
-                }
-                Compiled::Historically(past, a) => {
-                    !self.pasts[usize::from(past)].goes_on(true, !bit(held, a), now)
-                }
-                Compiled::Since(past, a, b) => {
-                    self.pasts[usize::from(past)].goes_on(bit(held, a), bit(held, b), now)
-                }
-            };
-            held |= u64::from(holds) << at;
-        }
-        self.before = held;
-        let last = self.parts.len() - 1;
-        (held >> last & 1 == 0).then(|| self.blamed(last))
-    }
-
-    /// The smallest part because of which this one does not hold, as far as one is to blame.
-    #[cold]
-    fn blamed(&self, mut at: usize) -> usize {
-        let holds = |at: u8| self.before >> at & 1 == 1;
-        loop {
-            at = match self.parts[at] {
-                Compiled::Implies(_, b) => usize::from(b),
-                Compiled::And(a, b) => usize::from(if holds(a) { b } else { a }),
-                _ => return at,
-            };
-        }
-    }
-
-    /// Where it is, apart from dates: two with the same answer to this will judge alike if the
-    /// formula has no bounds.
-    #[must_use]
-    pub fn place(&self) -> (u64, Vec<bool>, Vec<u32>) {
-        let any = self.pasts.iter().map(Past::any).collect();
-        (self.before, any, self.running.to_vec())
     }
 }

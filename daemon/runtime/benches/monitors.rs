@@ -25,12 +25,13 @@ const RUNS: usize = 12;
 type Make = fn(Vec<CodelIx>) -> Rule;
 
 fn main() {
-    let kinds: [(&str, Make); 7] = [
+    let kinds: [(&str, Make); 8] = [
         ("deadline", deadline),
         ("heartbeat", heartbeat),
         ("order", order),
         ("formula: a -> once[0, 1 s] a", formula),
         ("formula of 16 parts", long_formula),
+        ("formula of 18 parts, two events", mixed_formula),
         // What else they hear of happens in other threads, if it does.
         ("order of several threads", shared_order),
         ("formula of several threads", shared_formula),
@@ -152,6 +153,33 @@ fn long_formula(codels: Vec<CodelIx>) -> Rule {
     let mut parts = vec![Part::Happens(calls(&codels))];
     parts.extend((0..15).map(|before| Part::Once(within, before)));
     program(parts)
+}
+
+/// Parts of all kinds, which hear of each call and of its return.
+fn mixed_formula(codels: Vec<CodelIx>) -> Rule {
+    let within = Bounds { least: 0, most: 1_000_000_000 };
+    let ever = Bounds { least: 0, most: u64::MAX };
+    let returns = codels.iter().map(|codel| Happening::Return(*codel)).collect();
+    program(vec![
+        Part::Happens(calls(&codels)),
+        Part::Happens(returns),
+        Part::Once(within, 0),
+        Part::Implies(1, 2),
+        Part::Previous(0),
+        Part::Implies(1, 4),
+        Part::Previous(1),
+        Part::Not(6),
+        Part::Since(ever, 7, 0),
+        Part::Implies(1, 8),
+        Part::Or(0, 1),
+        Part::Historically(within, 10),
+        Part::Once(within, 1),
+        Part::Or(12, 0),
+        Part::And(3, 5),
+        Part::And(14, 9),
+        Part::And(15, 11),
+        Part::And(16, 13),
+    ])
 }
 
 fn program(parts: Vec<Part>) -> Rule {

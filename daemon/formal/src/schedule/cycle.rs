@@ -9,12 +9,20 @@ use crate::timed::Times;
 /// The dearest cycle of a task.
 pub(super) struct Cycle {
     pub(super) cost: u64,
-    /// What its permanent activity costs in it.
+    /// What the cycle costs in which its permanent activity begins, of that activity.
     pub(super) permanent: u64,
     /// Activities, by machine, with the codels that they execute.
     pub(super) ways: Vec<(u16, Vec<u16>)>,
     /// For each node, what may be ahead of it.
     pub(super) ahead: Vec<Vec<Ahead>>,
+}
+
+/// Which cycles of a task are looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Cycles {
+    All,
+    /// Those that ticks begin while requests are served.
+    Ticks,
 }
 
 /// What each node costs where a task executes it, and what may be ahead of it.
@@ -47,12 +55,19 @@ impl Costs {
 }
 
 impl Cycle {
-    /// The dearest cycle of a task, if nodes cost this.
-    pub(super) fn new(system: &System, task: u16, costs: Costs) -> Result<Self, Endless> {
+    /// The dearest cycle of a task, if nodes cost this: of all; or of those that ticks begin while
+    /// requests are served, so that permanent activities neither begin nor stop.
+    pub(super) fn new(
+        system: &System,
+        task: u16,
+        costs: Costs,
+        of: Cycles,
+    ) -> Result<Self, Endless> {
         let Costs { costs, ahead } = costs;
-        let way = |machine: u16| -> Result<Way, Endless> {
+        let way = |machine: u16, of: Cycles| -> Result<Way, Endless> {
             let machine = &system.machines[usize::from(machine)];
-            let mut way = Ways { system, machine, costs: &costs }.cycle()?;
+            let ways = Ways { system, machine, costs: &costs };
+            let mut way = if of == Cycles::All { ways.cycle()? } else { ways.resumed()? };
             if let Some(fetch) = machine.fetch {
                 way.cost = way.cost.saturating_add(costs[usize::from(fetch)]);
                 way.codels.push(fetch);
@@ -60,13 +75,13 @@ impl Cycle {
             Ok(way)
         };
         let machine = system.permanent(task);
-        let first = way(machine)?;
-        let permanent = first.cost;
-        let (mut total, mut ways) = (permanent, vec![(machine, first.codels)]);
+        let permanent = way(machine, Cycles::All)?.cost;
+        let first = way(machine, of)?;
+        let (mut total, mut ways) = (first.cost, vec![(machine, first.codels)]);
         let mut all = Vec::new();
         let requested = services_of(system, task).into_iter();
         for (service, machine) in requested.filter(|(one, _)| system.clients[usize::from(*one)]) {
-            all.push((service, machine, way(machine)?));
+            all.push((service, machine, way(machine, Cycles::All)?));
         }
         let weights: Vec<(u16, u64)> =
             all.iter().map(|(service, _, way)| (*service, way.cost)).collect();

@@ -8,7 +8,7 @@
 use genom_description::model::{Ix as _, TaskIx};
 
 use super::contexts::{Adds, Contexts};
-use super::cycle::{Costs, Cycle};
+use super::cycle::{Costs, Cycle, Cycles};
 use super::known::Cause;
 use super::processors::{Load, alone, together};
 use super::report::Scheduled;
@@ -168,7 +168,7 @@ impl Known<'_> {
         let contexts = &self.contexts[own.of];
         let counts: (&dyn Fn(u16) -> bool, Adds) = (&counts, Adds::All);
         let costs = Costs::new(placed.system, &placed.times, contexts, own.task, counts);
-        Cycle::new(placed.system, own.task, costs).ok()
+        Cycle::new(placed.system, own.task, costs, Cycles::All).ok()
     }
 
     /// What is known of a task on these processors, all of which it may run on.

@@ -1,7 +1,7 @@
 //! What was found of the tasks of a component.
 
 use super::contexts::{Adds, Ahead, Contexts};
-use super::cycle::{Costs, Cycle};
+use super::cycle::{Costs, Cycle, Cycles};
 use super::known::{Cause, Known, Meanwhile};
 use super::processors::{Load, alone, together};
 use super::startup::Startup;
@@ -93,6 +93,9 @@ impl System {
     pub(crate) fn bounded(&self, times: &Times, processors: Processors, late: u64) -> Schedule {
         let contexts = Contexts::new(self);
         let adds = if processors == Processors::Own { Adds::Chain } else { Adds::All };
+        let own = processors == Processors::Own;
+        // First cycles are looked at by themselves then.
+        let cycles = if own { Cycles::Ticks } else { Cycles::All };
         let mut known: Vec<Known> = Vec::new();
         for (period, task) in self.periods.iter().zip(0u16..) {
             let counts = |context: u16| match processors {
@@ -103,14 +106,13 @@ impl System {
                 Processors::Own | Processors::Shared(_) => true,
             };
             let costs = || Costs::new(self, times, &contexts, task, (&counts, adds));
-            let cycle = period.and_then(|_| Cycle::new(self, task, costs()).ok());
+            let cycle = period.and_then(|_| Cycle::new(self, task, costs(), cycles).ok());
             let work = cycle.as_ref().map_or(0, |cycle| cycle.cost);
             let period = period.map_or(0, |period| period.period);
             let load = Load { period, work, late, response: 0 };
             known.push(Known { task, load, cycle, meanwhile: Vec::new() });
         }
         let startup = Startup::new(self, times, &contexts, &known);
-        let own = processors == Processors::Own;
         if own && startup.is_regular(self) {
             Window::new(self, times, &contexts).narrow(&mut known);
         }

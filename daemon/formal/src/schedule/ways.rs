@@ -35,8 +35,18 @@ impl Ways<'_> {
     /// it may be asked to stop at any time, through `stop` after what does not end it. Each external
     /// event that it handles comes once in a cycle at most, and adds a place of its own.
     pub(super) fn cycle(&self) -> Result<Way, Endless> {
+        self.dearest(true)
+    }
+
+    /// The same of one that neither begins nor is asked to stop, as permanent activities while
+    /// requests are served.
+    pub(super) fn resumed(&self) -> Result<Way, Endless> {
+        self.dearest(false)
+    }
+
+    fn dearest(&self, whole: bool) -> Result<Way, Endless> {
         let machine = self.machine;
-        let stops = machine.codel(machine.stop).is_some();
+        let stops = whole && machine.codel(machine.stop).is_some();
         let sinks = self.system.sinks.iter().filter(|sink| machine.codel(**sink).is_some());
         let mut events = Way::default();
         let mut has_events = false;
@@ -49,7 +59,7 @@ impl Ways<'_> {
             if ends_later && !stops {
                 continue;
             }
-            let start = self.from(machine.start, ends_later)?;
+            let start = if whole { self.from(machine.start, ends_later)? } else { Way::default() };
             let mut resumed = Way::default();
             for state in self.pausing() {
                 let way = self.from(state, ends_later)?;

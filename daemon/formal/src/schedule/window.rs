@@ -4,7 +4,7 @@
 //! task with a period has only so many cycles while another one lasts.
 
 use super::contexts::{Adds, Contexts};
-use super::cycle::{Costs, Cycle};
+use super::cycle::{Costs, Cycle, Cycles};
 use super::known::{Known, Meanwhile};
 use crate::codels::small;
 use crate::system::{Period, System};
@@ -67,7 +67,7 @@ impl<'a> Window<'a> {
             let rest = |context: u16| chosen.iter().all(|other| other.task != context);
             let counts = (&rest as &dyn Fn(u16) -> bool, Adds::Chain);
             let costs = Costs::new(self.system, self.times, self.contexts, task, counts);
-            let Ok(cycle) = Cycle::new(self.system, task, costs) else { continue };
+            let Ok(cycle) = Cycle::new(self.system, task, costs, Cycles::Ticks) else { continue };
             if let Some((cost, meanwhile)) = self.settled(cycle.cost, late, period, &chosen)
                 && cost < least
             {
@@ -95,7 +95,7 @@ impl<'a> Window<'a> {
         };
         let nodes = 0..small(self.system.plan.nodes().len());
         let costs = Costs { costs: nodes.map(cost).collect(), ahead: Vec::new() };
-        let each = Cycle::new(self.system, other.task, costs).ok()?.cost;
+        let each = Cycle::new(self.system, other.task, costs, Cycles::Ticks).ok()?.cost;
         Some(Other { task: other.task, each, period, response })
     }
 

@@ -224,13 +224,15 @@ impl Caller<'_> {
     }
 
     /// A codel has returned, which rules hear of, and may have written ports that they hear of.
-    /// What it excluded is still excluded, so that all hear this before what comes after it.
-    fn returned(&mut self, run: &Run, codel: CodelIx) {
+    /// What it excluded is still excluded, so that all hear this before what comes after it. Returns
+    /// the date.
+    fn returned(&mut self, run: &Run, codel: CodelIx) -> u64 {
         let Self { shared, broken, own, .. } = self;
         let (body, now) = (shared.body.as_ref(), shared.clock.now());
         let mut tell = |seen| shared.violated(broken, seen);
         shared.rules.wrote(body, codel, run.id, now, Some(&mut **own), &mut tell);
         shared.rules.hear(Happening::Return(codel), run.id, now, Some(&mut **own), tell);
+        now
     }
 }
 
@@ -252,11 +254,9 @@ impl Calls for Caller<'_> {
         at_work.begins(codel, run.id, since);
         let returned = run.frame.call(codel, context);
         at_work.ends();
-        if bound.returns {
-            self.returned(run, codel);
-        }
+        let heard = bound.returns.then(|| self.returned(run, codel));
         drop(permit);
-        let end = shared.clock.now();
+        let end = heard.unwrap_or_else(|| shared.clock.now());
         let ns = end.saturating_sub(self.now);
         self.now = end;
         let call = (context, since);

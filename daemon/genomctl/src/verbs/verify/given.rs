@@ -68,7 +68,7 @@ pub(in crate::verbs) struct Most {
     #[arg(long, value_name = "MIB", default_value_t = 1024)]
     memory: usize,
     /// Time for each search, at most, in seconds.
-    #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = crate::times::seconds)]
+    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = crate::times::seconds)]
     time: time::Duration,
 }
 
