@@ -2,29 +2,62 @@
 directory of genomd's sources, with the package genom. docs/simulators.md tells what it shows.
 """
 
+import argparse
+
 import genom
+from film import Film
 
 PERIOD = 0.01
+EVERY = 40  # ms between images
 POSTURES = [[0.5, 0.4, -0.8], [-0.5, 0.8, -1.2], [0.0, 0.0, 0.0]]
 
 
+class Camera:
+    """Films what a camera of the model sees."""
+
+    def __init__(self, d, name: str) -> None:
+        self._film, self._taken = Film(EVERY), 0
+        d.component("sim").watch(camera=name, every=EVERY, ack=True)
+        d.step(PERIOD)
+        self._image = d.port(f"sim/image/{name}")
+
+    def look(self) -> None:
+        """Takes the image, if there is a new one."""
+        if self._image.count > self._taken:
+            self._taken = self._image.count
+            self._film.take(self._image.data)
+
+    def save(self, path: str) -> None:
+        self._film.save(path)
+        print(f"{len(self._film)} images in {path}")
+
+
 def main() -> None:
-    with genom.Daemon(config="configs/sim-arm.toml") as d:
+    parser = argparse.ArgumentParser(description="Moves the simulated arm through three postures.")
+    parser.add_argument("--config", default="configs/sim-arm.toml", help="the deployment")
+    parser.add_argument("--film", metavar="FILE.png", help="write what the camera sees")
+    options = parser.parse_args()
+    with genom.Daemon(config=options.config) as d:
         d.deployed()
         planner, joints = d.component("planner"), d.port("sim/joints")
         hand = d.port("sim/sensors")
+        camera = Camera(d, "front") if options.film else None
         print("   time   turn  shoulder  elbow      hand x, y, z")
         for goal in POSTURES:
             motion = planner.move(goal=goal, duration=1.0, ack=True)
             while motion.status == genom.Status.SENT:
                 for _ in range(10):
                     d.step(PERIOD)
+                    if camera:
+                        camera.look()
                 turn, shoulder, elbow = joints.data.position
                 x, y, z = hand.data.value
                 print(
                     f"{d.now:6.2f} s {turn:6.3f}  {shoulder:8.3f} {elbow:6.3f} rad"
                     f"  {x:6.3f} {y:6.3f} {z:6.3f} m"
                 )
+        if camera:
+            camera.save(options.film)
         print(f"{d.real_time_factor:.1f} seconds of the arm in a second of the machine")
 
 

@@ -102,6 +102,7 @@ pub(crate) fn all(root: &Path) -> Result<Vec<Recipe>, BuildError> {
         Recipe::new("stereo", "stereo", components.join("stereo"))?.sharing(&images).in_rust(),
         Recipe::new("viewer", "viewer", components.join("viewer"))?.sharing(&images).in_rust(),
         Recipe::new("servo", "servo", components.join("servo"))?.sharing(&robot),
+        Recipe::new("hover", "hover", components.join("hover"))?.sharing(&robot),
         Recipe::new("planner", "planner", components.join("planner"))?.sharing(&robot).in_python(),
     ];
     for directory in folders(&components.join("faults"))? {

@@ -64,7 +64,7 @@ fn a_changed_source_is_built_again_and_an_error_names_the_line() {
     let root = copy.path();
     let components = [
         "demo", "demo-cpp", "demo-py", "demo-lua", "mission", "images", "camera", "stereo",
-        "viewer", "sim", "servo", "planner",
+        "viewer", "sim", "servo", "hover", "planner",
     ];
     let components = components.map(|name| format!("components/{name}"));
     for folder in components.iter().map(String::as_str).chain(["plugin-api/include"]) {

@@ -356,6 +356,21 @@ typedef struct robot_joints robot_joints;
 #endif
 #endif /* _robot_joints_c_type */
 
+#ifndef _robot_base_c_type
+# define _robot_base_c_type
+struct robot_base {
+  uint64_t date;
+  double position[3];
+  double attitude[4];
+  double velocity[3];
+  double rate[3];
+};
+#ifndef _robot_base_forward_c_type
+# define _robot_base_forward_c_type
+typedef struct robot_base robot_base;
+#endif
+#endif /* _robot_base_c_type */
+
 #ifndef _robot_efforts_c_type
 # define _robot_efforts_c_type
 struct robot_efforts {

@@ -5,28 +5,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include <mujoco/mujoco.h>
-
 #include "sim_c_types.h"
+#include "sim_world.h"
 
 #include "genom/describe.h"
 
 GENOM_DESCRIPTION("sim.gen");
 
-/* Period of task main, s. */
-#define SIM_PERIOD 0.001
-
 /* How far a number of steps may be from an integer. */
 #define SIM_EXACT 1e-9
-
-struct sim_world {
-  mjModel *model;
-  mjData *data;
-  uint64_t steps;     /* in one period */
-  uint64_t periods;   /* that are over */
-  int joints;         /* with one degree of freedom */
-  int joint[16];      /* their indices */
-};
 
 /* MuJoCo would write them to a file in the working directory. */
 static void
@@ -38,9 +25,12 @@ quiet(const char *warning)
 static void
 forget(sim_world *world)
 {
+  const uint64_t model_number = world->model_number;
+
   mj_deleteData(world->data);
   mj_deleteModel(world->model);
   memset(world, 0, sizeof(*world));
+  world->model_number = model_number;
 }
 
 static genom_event
@@ -95,9 +85,11 @@ sim_load(const char model[256], sim_world **world, const genom_context self)
     forget(made);
     return no_model(model, why, self);
   }
+  made->base = -1;
   for (joint = 0; joint < made->model->njnt; joint++) {
     const int type = made->model->jnt_type[joint];
 
+    if (type == mjJNT_FREE && made->base < 0) made->base = joint;
     if (type != mjJNT_HINGE && type != mjJNT_SLIDE) continue;
     if (made->joints == 16) {
       forget(made);
@@ -114,6 +106,7 @@ sim_load(const char model[256], sim_world **world, const genom_context self)
     forget(made);
     return no_model(model, "no memory", self);
   }
+  made->model_number++;
   mj_forward(made->model, made->data);
   return sim_main;
 }
@@ -134,9 +127,29 @@ listen(const sim_world *world, const sim_command *command, genom_context self)
   }
 }
 
+/* Publishes where the robot is, if it moves freely. */
 static genom_event
-tell(const sim_world *world, const sim_joints *joints, const sim_sensors *sensors,
-     genom_context self)
+tell_base(const sim_world *world, const sim_base *base, uint64_t date, genom_context self)
+{
+  robot_base *now = base->data(self);
+
+  if (world->base < 0) return genom_ok;
+  if (now) {
+    const mjtNum *pose = world->data->qpos + world->model->jnt_qposadr[world->base];
+    const mjtNum *speed = world->data->qvel + world->model->jnt_dofadr[world->base];
+
+    now->date = date;
+    mju_copy(now->position, pose, 3);
+    mju_copy(now->attitude, pose + 3, 4);
+    mju_copy(now->velocity, speed, 3);
+    mju_copy(now->rate, speed + 3, 3);
+  }
+  return base->write(self);
+}
+
+static genom_event
+tell(const sim_world *world, const sim_joints *joints, const sim_base *base,
+     const sim_sensors *sensors, genom_context self)
 {
   const mjModel *model = world->model;
   const mjData *data = world->data;
@@ -164,13 +177,16 @@ tell(const sim_world *world, const sim_joints *joints, const sim_sensors *sensor
   }
   e = joints->write(self);
   if (e != genom_ok) return e;
+  e = tell_base(world, base, date, self);
+  if (e != genom_ok) return e;
   return sensors->write(self);
 }
 
 /* Activity simulate, state main. Yields pause::main, and ether when its time is over. */
 genom_event
 sim_step(double duration, sim_world **world, const sim_command *command,
-         const sim_joints *joints, const sim_sensors *sensors, const genom_context self)
+         const sim_joints *joints, const sim_base *base, const sim_sensors *sensors,
+         const genom_context self)
 {
   sim_world *here = *world;
   genom_event e;
@@ -179,7 +195,7 @@ sim_step(double duration, sim_world **world, const sim_command *command,
   listen(here, command, self);
   for (step = 0; step < here->steps; step++) mj_step(here->model, here->data);
   here->periods++;
-  e = tell(here, joints, sensors, self);
+  e = tell(here, joints, base, sensors, self);
   if (e != genom_ok) return e;
   return duration > 0. && here->periods * SIM_PERIOD >= duration ? sim_ether : sim_pause_main;
 }

@@ -1,21 +1,26 @@
 //! The simulated arm of `configs/sim-arm.toml`: MuJoCo, a controller in C, a planner in Python.
 
 use std::fs;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 
-use genom_components::python;
-use genom_tests::{Daemon, Home, component, path, program, repository};
+use genom_tests::python_client::python;
+use genom_tests::{
+    Daemon, Home, Running, WATCHDOG, component, path, program, repository, until_at_leisure,
+};
+use image::AnimationDecoder as _;
+use image::codecs::png::PngDecoder;
 use serde_json::Value;
 
 use crate::control_plane::recording::{Recorder, read};
 
 /// The library of the simulator, built once as docs/simulators.md says.
-fn simulator() -> &'static Path {
+pub(super) fn simulator() -> &'static Path {
     static BUILT: OnceLock<PathBuf> = OnceLock::new();
     BUILT.get_or_init(|| {
-        let python = python::environment(&["mujoco-core==4.0.1"]).unwrap();
+        let python = genom_components::python::environment(&["mujoco-core==4.0.1"]).unwrap();
         let source = repository().join("components/sim");
         let output = component("servo").library.parent().unwrap().with_file_name("sim");
         let ran = |command: &mut Command| {
@@ -31,23 +36,41 @@ fn simulator() -> &'static Path {
     })
 }
 
-/// The deployment, with its components where the tests have them.
-fn deployed(backend: &str) -> Daemon {
+/// A deployment of `configs`, with its components where the tests have them.
+pub(super) fn deployment(file: &str, controllers: &[&str]) -> String {
     let folder = simulator().parent().unwrap().parent().unwrap();
-    let _ = component("planner");
-    let text = fs::read_to_string(repository().join("configs/sim-arm.toml")).unwrap();
-    let text = text
-        .replace("\"../target/components/", &format!("\"{}/", path(folder)))
-        .replace("components/sim/arm.xml", path(&repository().join("components/sim/arm.xml")));
-    let options = ["--clock", "virtual", "--backend", backend];
-    let daemon = Home::new().configured(&text).start(&options);
+    for controller in controllers {
+        let _ = component(controller);
+    }
+    let text = fs::read_to_string(repository().join("configs").join(file)).unwrap();
+    text.replace("\"../target/components/", &format!("\"{}/", path(folder)))
+        .replace("\"components/sim/", &format!("\"{}/", path(&repository().join("components/sim"))))
+}
+
+/// A daemon with all that a deployment has.
+pub(super) fn deployed(text: &str, options: &[&str]) -> Daemon {
+    let daemon = Home::new().configured(text).start(options);
     assert_eq!(daemon.home().get("/ready?wait=30&deployed=true")["ready"], true);
     daemon
 }
 
-/// What the simulator and the controller published in 1.2 s, in which the planner moves the arm.
-fn motion(backend: &str) -> [Value; 3] {
-    let daemon = deployed(backend);
+/// How far the joints are from a posture, rad.
+fn distance(joints: &Value, goal: &[f64]) -> f64 {
+    let position = joints["position"].as_array().map_or(&[][..], Vec::as_slice);
+    if position.len() != goal.len() {
+        return f64::INFINITY;
+    }
+    let each = position.iter().zip(goal).map(|(came, goal)| (came.as_f64().unwrap() - goal).abs());
+    each.fold(0.0, f64::max)
+}
+
+/// What the simulator and the controller published in 1.2 s, in which the planner moves the arm, and
+/// what the camera saw.
+fn motion(backend: &str) -> [Value; 5] {
+    let text = deployment("sim-arm.toml", &["servo", "planner"]);
+    let daemon = deployed(&text, &["--clock", "virtual", "--backend", backend]);
+    let camera = ["camera=front", "width=32", "height=24", "every=100"];
+    daemon.ctl(&[&["start", "sim", "watch"], &camera[..]].concat()).expect_code(0);
     let recorder = Recorder::start(&daemon, "run.mcap", &["sim", "servo"]);
     daemon.ctl(&["start", "planner", "move", "goal=[0.5, 0.4, -0.8]", "duration=1"]).expect_code(0);
     // From the end of one period of the planner to the next: its cell is stepped first.
@@ -56,7 +79,8 @@ fn motion(backend: &str) -> [Value; 3] {
     }
     let (_, file) = recorder.end();
     let topics = read(&file);
-    ["/sim/joints", "/sim/sensors", "/servo/command"].map(|topic| topics[topic].clone())
+    ["/sim/joints", "/sim/sensors", "/servo/command", "/sim/image/front", "/sim/depth/front"]
+        .map(|topic| topics[topic].clone())
 }
 
 #[test]
@@ -64,13 +88,54 @@ fn a_simulated_arm_moves_to_its_goal_and_runs_are_equal_to_the_bit_on_local_and_
     let first = motion("local");
     let joints = first[0].as_array().unwrap();
     assert_eq!(joints.len(), 1200, "one a millisecond");
-    let last = &joints.last().unwrap()[2]["position"];
-    for (at, goal) in [0.5, 0.4, -0.8].iter().enumerate() {
-        let came = last[at].as_f64().unwrap();
-        assert!((came - goal).abs() < 0.02, "{last}");
+    let last = &joints.last().unwrap()[2];
+    assert!(distance(last, &[0.5, 0.4, -0.8]) < 0.02, "{last}");
+    for images in &first[3..] {
+        let images = images.as_array().unwrap();
+        assert_eq!(images.len(), 13, "one each 100 ms");
+        assert_ne!(images[0][2]["data"], images[12][2]["data"], "the arm is seen to move");
     }
     assert!(first == motion("local"), "two runs differ");
     assert!(first == motion("shm"), "a run on shm differs");
+}
+
+#[test]
+fn the_same_deployment_moves_the_arm_in_real_time_on_zenoh() {
+    let text = deployment("sim-arm.toml", &["servo", "planner"]);
+    let daemon = deployed(&text, &["--backend", "zenoh"]);
+    assert_eq!(daemon.port("sim", "joints")["backend"], "zenoh");
+    let goal = "goal=[0.5, 0.4, -0.8]";
+    daemon.ctl(&["call", "planner", "move", goal, "duration=0.5"]).expect_code(0);
+    until_at_leisure("the joints are where the planner wants them", || {
+        distance(&daemon.port("sim", "joints")["value"], &[0.5, 0.4, -0.8]) < 0.02
+    });
+}
+
+#[test]
+fn the_example_writes_a_film_of_the_arm_that_moves() {
+    let scratch = tempfile::tempdir().unwrap();
+    let (config, film) = (scratch.path().join("arm.toml"), scratch.path().join("arm.png"));
+    fs::write(&config, deployment("sim-arm.toml", &["servo", "planner"])).unwrap();
+    let mut example = Command::new(python());
+    example
+        .arg(repository().join("components/sim/run.py"))
+        .arg("--config")
+        .arg(&config)
+        .arg("--film")
+        .arg(&film)
+        .env("PYTHONPATH", repository().join("clients/python/src"))
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env("GENOMD", program("genomd"))
+        .env("XDG_STATE_HOME", scratch.path().join("state"))
+        .env("TMPDIR", scratch.path());
+    let finished = Running::start(&mut example).finish_within(3 * WATCHDOG);
+    finished.expect_code(0).expect_out(" images in ").expect_out(" seconds of the arm in a second");
+
+    let decoder = PngDecoder::new(Cursor::new(fs::read(&film).unwrap())).unwrap();
+    let frames = decoder.apng().unwrap().into_frames().collect_frames().unwrap();
+    assert!(frames.len() >= 75, "{} images in at least 3 s", frames.len());
+    assert_eq!(frames[0].buffer().dimensions(), (160, 120));
+    assert!(frames[0].buffer() != frames[25].buffer(), "the arm is seen to move");
 }
 
 #[test]
