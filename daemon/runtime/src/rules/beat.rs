@@ -34,15 +34,6 @@ pub(super) enum Pulse {
     Ends,
 }
 
-/// Two steps of a beat, between which other threads may come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Between {
-    /// Whether an activity runs, and the new date.
-    LookAndMove,
-    /// The new date, and whether an activity runs still.
-    MoveAndLook,
-}
-
 impl Beat {
     pub(super) fn new(rule: usize, (least, longest): (u64, u64), during: bool, sole: bool) -> Self {
         let date = || AtomicU64::new(NONE);
@@ -91,17 +82,18 @@ impl Beat {
         self.beats_while(now, |_| {})
     }
 
-    /// The same, with what other threads do between its steps.
+    /// The same, with what other threads do between its steps: before the date moves (1), and after
+    /// that (2).
     #[inline]
-    fn beats_while(&self, now: u64, others: impl Fn(Between)) -> Option<Fact> {
+    fn beats_while(&self, now: u64, others: impl Fn(u8)) -> Option<Fact> {
         let none = |running: &AtomicU32| running.load(Ordering::SeqCst) == 0;
         if self.running.as_ref().is_some_and(none) {
             return None;
         }
-        others(Between::LookAndMove);
+        others(1);
         let beat = now << 1 | BEAT;
         let from = self.moves_to(beat);
-        others(Between::MoveAndLook);
+        others(2);
         if !self.sole && self.running.as_ref().is_some_and(none) {
             // The last activity ended meanwhile, in another thread: nothing is waited for.
             let (done, failed) = (Ordering::SeqCst, Ordering::Relaxed);
@@ -171,7 +163,7 @@ mod tests {
 
     #[test]
     fn no_beat_is_waited_for_if_the_last_activity_ends_in_another_thread_during_one() {
-        for end in [Between::LookAndMove, Between::MoveAndLook] {
+        for end in [1, 2] {
             let beat = Beat::new(0, (8, 12), true, false);
             assert_eq!(beat.hear(Pulse::Begins, 10), None);
             let fact = beat.beats_while(20, |between| {
@@ -179,7 +171,7 @@ mod tests {
                     assert_eq!(beat.hear(Pulse::Ends, 20), None);
                 }
             });
-            assert_eq!((fact, beat.due(), beat.look(1_000)), (None, None, None), "{end:?}");
+            assert_eq!((fact, beat.due(), beat.look(1_000)), (None, None, None), "{end}");
             // The next activity is waited for as ever.
             assert_eq!(beat.hear(Pulse::Begins, 2_000), None);
             assert_eq!(beat.look(2_012), Some(Fact::Late { ns: 12 }));

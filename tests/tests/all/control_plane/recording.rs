@@ -59,6 +59,8 @@ class Json:
 def plain(value):
     if hasattr(value, "__slots__"):
         return {name: plain(getattr(value, name)) for name in value.__slots__}
+    if isinstance(value, bytes):
+        return value.hex()
     return [plain(one) for one in value] if isinstance(value, (list, tuple)) else value
 
 topics = {}
