@@ -13,6 +13,7 @@ use rustix::io::Errno;
 use rustix::process::{Pid, PidfdFlags, pidfd_open};
 
 use crate::end::End;
+use crate::stat::Stat;
 
 /// Name of a thread that a cell has from its beginning to its end.
 const LASTING: &str = "genomd-rpc";
@@ -21,8 +22,8 @@ const LASTING: &str = "genomd-rpc";
 const LOOK: Timespec = Timespec { tv_sec: 0, tv_nsec: 20_000_000 };
 const LOOKS: usize = 500;
 
-/// Place of the exit code in `/proc/PID/stat`, counted from the state, which follows the name.
-const EXIT_CODE: usize = 49;
+/// Number of the field with the exit code in `/proc/PID/stat`.
+const EXIT_CODE: usize = 52;
 
 /// Waits until a process has ended, or is seen to end by a fault; then says how. `None` also where
 /// threads have no descriptors, before Linux 6.9.
@@ -66,14 +67,12 @@ fn thread_of(pid: Pid) -> Option<Pid> {
 /// What a process ends with that may not have ended in all its parts; `None` if it is not known to
 /// end, or by itself and in order.
 fn ends_with(pid: Pid) -> Option<End> {
-    let stat = fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
-    // Its name, in brackets, may contain anything.
-    let mut words = stat.rsplit(") ").next()?.split_ascii_whitespace();
+    let stat = Stat::of(pid)?;
     // Of one that is stopped, the signal that stopped it stands there.
-    if words.next().is_none_or(|state| state.eq_ignore_ascii_case("t")) {
+    if stat.field(3).is_none_or(|state| state.eq_ignore_ascii_case("t")) {
         return None;
     }
-    let code: i32 = words.nth(EXIT_CODE - 1)?.parse().ok()?;
+    let code: i32 = stat.field(EXIT_CODE)?.parse().ok()?;
     // As `wait` tells it.
     match (code & 0x7f, code >> 8) {
         (0, 0) | (0x7f, _) => None,

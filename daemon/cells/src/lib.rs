@@ -40,6 +40,7 @@ mod round;
 mod setup;
 mod shelf;
 mod snapshots;
+mod stat;
 mod thaw;
 mod theirs;
 mod unload;

@@ -13,6 +13,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, PidfdFlags, Signal, kill_process_group, pidfd_open, pidfd_send_signal};
 
 use crate::place::Place;
+use crate::stat::Stat;
 
 /// Variable of the environment with the directory of the cell.
 pub(crate) const MARK: &str = "GENOMD_CELL";
@@ -26,11 +27,13 @@ const TRY: Timespec = Timespec { tv_sec: 0, tv_nsec: 1_000_000 };
 
 /// Kills what is left in the process group of a cell whose own process has ended.
 pub(crate) fn end_group(leader: Pid) {
-    let stat = fs::read_to_string(format!("/proc/{leader}/stat"));
-    // Its name, in brackets, may contain anything.
-    let state = stat.as_deref().ok().and_then(|text| text.rsplit(") ").next());
+    let stat = Stat::of(leader);
     // A process that lives under this number is another one, which was given it since.
-    if state.is_none_or(|state| state.starts_with(['Z', 'X'])) {
+    if stat
+        .as_ref()
+        .and_then(|stat| stat.field(3))
+        .is_none_or(|state| state.starts_with(['Z', 'X']))
+    {
         let _ = kill_process_group(leader, Signal::KILL);
     }
 }
@@ -83,10 +86,8 @@ fn environment(pid: Pid, handle: BorrowedFd<'_>) -> Option<Vec<u8>> {
 /// Address behind the environment in the memory of a process (`env_end` of proc_pid_stat(5)): 0 while
 /// it has none yet. `None` of a process without memory: one of the kernel's, or one that has ended.
 fn end_of_environment(pid: Pid) -> Option<u64> {
-    let stat = fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
-    // Its name, in brackets, may contain anything. Field 3 follows it.
-    let fields: Vec<&str> = stat.rsplit(") ").next()?.split_ascii_whitespace().collect();
-    let field = |number: usize| fields.get(number - 3)?.parse::<u64>().ok();
+    let stat = Stat::of(pid)?;
+    let field = |number| stat.field(number)?.parse::<u64>().ok();
     let memory = field(23)?;
     if memory == 0 { None } else { field(51) }
 }

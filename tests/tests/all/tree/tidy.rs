@@ -35,7 +35,7 @@ const FLOORS: &[(&str, &str)] = &[
     ),
     (
         "cells",
-        "end done dying policy shelf theirs place snapshots journal client crashes follow remains blackbox kept process bell program setup cell round \
+        "end done stat dying policy shelf theirs place snapshots journal client crashes follow remains blackbox kept process bell program setup cell round \
          asking cells gateway unmatched own react merge record unload wire deploy thaw lib",
     ),
     ("genomd", "refusal cli announcements settings daemon ros rpc signals life run check lib main"),
