@@ -67,6 +67,11 @@ def fill(message, values):
     for name, value in values.items():
         if isinstance(value, dict):
             fill(getattr(message, name), value)
+        elif isinstance(value, list) and value and isinstance(value[0], dict):
+            # `sequence<package/Name>`
+            package, kind = message.get_fields_and_field_types()[name][9:-1].split("/")
+            element = type_of(f"{package}/msg/{kind}")
+            setattr(message, name, [fill(element(), one) for one in value])
         else:
             setattr(message, name, value)
     return message
@@ -113,6 +118,10 @@ def write(topic, kind):
 def put(topic, values):
     writers[topic].publish(fill(writers[topic].msg_type(), values))
     return "put"
+
+
+def nodes():
+    return sorted(f"{namespace.rstrip('/')}/{name}" for name, namespace in node.get_node_names_and_namespaces())
 
 
 def no_node(name, namespace):
@@ -251,6 +260,7 @@ VERBS = {
     "sample": sample,
     "write": write,
     "put": put,
+    "nodes": nodes,
     "no node": no_node,
     "service": service,
     "no service": no_service,

@@ -9,6 +9,7 @@ mod cargo;
 mod compile;
 pub mod debian;
 mod error;
+pub mod hiroz;
 pub mod node;
 mod paths;
 pub mod peer;

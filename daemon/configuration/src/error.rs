@@ -46,6 +46,9 @@ pub enum UsageError {
     /// A value of `[foxglove]`.
     #[error("foxglove.{key} = {value}: {what}")]
     Foxglove { key: &'static str, value: String, what: String },
+    /// The node of `[container]`.
+    #[error("container.node = `{0}`: use letters, digits and _, a letter first")]
+    Container(String),
     /// A name in `[lifecycle]`.
     #[error("lifecycle.components: the deployment has no component `{name}`: {help}")]
     Lifecycle { name: String, help: String },

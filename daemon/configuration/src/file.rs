@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::blackbox::BlackBoxSection;
 use crate::cells::CellsSection;
+use crate::container::ContainerSection;
 use crate::crashes::CrashesSection;
 use crate::error::{ConfigError, UsageError, WhichDaemon, message_of};
 use crate::foxglove::FoxgloveSection;
@@ -68,6 +69,8 @@ pub struct Config {
     pub foxglove: FoxgloveSection,
     /// Components that ROS 2 loads and starts.
     pub lifecycle: LifecycleSection,
+    /// The container into which ROS 2 loads components.
+    pub container: ContainerSection,
     /// Processes of their own for components.
     pub cells: CellsSection,
     /// Programs that run codels in other languages, by the name of the language.
@@ -142,6 +145,7 @@ impl Default for Config {
             web: WebSection::default(),
             foxglove: FoxgloveSection::default(),
             lifecycle: LifecycleSection::default(),
+            container: ContainerSection::default(),
             cells: CellsSection::default(),
             runners: Runners::new(),
             gateways: GatewaysSection::default(),

@@ -8,6 +8,7 @@
 
 mod blackbox;
 mod cells;
+mod container;
 mod crashes;
 mod error;
 mod file;
@@ -31,6 +32,7 @@ mod web;
 
 pub use blackbox::{BlackBoxReason, BlackBoxSection, is_one_of};
 pub use cells::{CellSettings, CellsSection, WithoutDaemon};
+pub use container::ContainerSection;
 pub use crashes::CrashesSection;
 pub use error::{
     ConfigError, MOST_ACTIVITIES, NoCollector, NoLevel, NoPeriod, SetError, UsageError, WhichDaemon,

@@ -11,6 +11,7 @@ use genom_protocol::{
 use crate::codels;
 use crate::machine::Machine;
 use crate::memory::{self, PREFIXES};
+use crate::ros;
 
 /// What the control plane of a daemon answered.
 #[derive(Debug)]
@@ -37,6 +38,9 @@ pub fn of_daemon(seen: &Seen) -> Vec<Diagnosis> {
     let mut found = vec![Diagnosis::ok("middlewares", versions.join("; "))];
     found.extend(middlewares.iter().flat_map(refused));
     found.extend(shared_memory(middlewares));
+    if let Some(ros2) = middlewares.iter().find(|one| one.name == "ros2") {
+        found.extend(ros::nodes(&Machine::at(Path::new("/")), &ros2.meet).into_iter().flatten());
+    }
     found.extend(cells.iter().filter_map(cell));
     found.extend(components.left_behind.iter().map(codels::left));
     for component in &components.components {

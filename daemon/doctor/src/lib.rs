@@ -14,6 +14,7 @@ mod files;
 mod machine;
 mod memory;
 mod multicast;
+mod ros;
 
 pub use daemon::{Seen, of_daemon};
 pub use files::of_files;

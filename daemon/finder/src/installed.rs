@@ -7,7 +7,7 @@ use genom_description::pkg_config::PkgConfig;
 
 /// The library of a component in a directory: `libdemo_codels.so`, else the one of the greatest
 /// version, as in `libdemo_codels-1.2.so`. Only packages for development have the former.
-pub(super) fn library_in(directory: &Path, name: &str) -> Option<PathBuf> {
+pub(crate) fn library_in(directory: &Path, name: &str) -> Option<PathBuf> {
     let plain = directory.join(format!("lib{name}_codels.so"));
     if plain.is_file() {
         return Some(plain);
@@ -27,20 +27,20 @@ fn numbers(version: &str) -> Vec<u64> {
 }
 
 /// The library of a component below an installation prefix.
-pub(super) fn in_prefix(prefix: &Path, name: &str) -> Option<PathBuf> {
+pub(crate) fn in_prefix(prefix: &Path, name: &str) -> Option<PathBuf> {
     let machine = format!("lib/{}-linux-gnu", std::env::consts::ARCH);
     ["lib", "lib64", &machine].into_iter().find_map(|place| library_in(&prefix.join(place), name))
 }
 
 /// The prefix that genomd itself is installed in.
-pub(super) fn own_prefix() -> Option<PathBuf> {
+pub(crate) fn own_prefix() -> Option<PathBuf> {
     let program = std::env::current_exe().ok()?;
     let directory = program.parent().filter(|directory| directory.ends_with("bin"))?;
     directory.parent().map(Path::to_owned)
 }
 
 /// The library of a component that pkg-config knows.
-pub(super) fn library_by_package(name: &str) -> Option<PathBuf> {
+pub(crate) fn library_by_package(name: &str) -> Option<PathBuf> {
     packages(name)?.iter().find_map(|package| {
         let directories = directories(package, "libdir", "--libs-only-L", "-L")?;
         directories.iter().find_map(|directory| library_in(directory, name))
@@ -48,7 +48,7 @@ pub(super) fn library_by_package(name: &str) -> Option<PathBuf> {
 }
 
 /// The description of a component that pkg-config knows.
-pub(super) fn description_by_package(name: &str) -> Option<PathBuf> {
+pub(crate) fn description_by_package(name: &str) -> Option<PathBuf> {
     let file = format!("{name}.gen");
     packages(name)?.iter().find_map(|package| {
         let directories = directories(package, "idldir", "--cflags-only-I", "-I")?;

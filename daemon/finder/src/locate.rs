@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use genom_host::{Contents, EmbeddedDescription, is_script, languages};
 
-use super::installed;
+use crate::installed;
 use crate::known::Description;
-use genom_configuration::LoadRequest;
+use genom_protocol::LoadRequest;
 
 /// Library and description of a component.
 #[derive(Debug)]
-pub(crate) struct Located {
+pub struct Located {
     /// Path of the library.
     pub library: PathBuf,
     /// The description.
@@ -59,7 +59,7 @@ fn list(paths: &[PathBuf]) -> String {
 }
 
 /// Finds library and description for a request; `path` is the component path.
-pub(crate) fn locate(request: &LoadRequest, path: &[PathBuf]) -> Result<Located, LocateError> {
+pub fn locate(request: &LoadRequest, path: &[PathBuf]) -> Result<Located, LocateError> {
     let wanted = &request.library;
     let named_gen = is_description(wanted);
     let Some(library) = library_of(wanted, path).or_else(|| packaged(wanted)) else {

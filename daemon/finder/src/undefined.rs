@@ -12,7 +12,8 @@ const FILES: usize = 500;
 const LONGEST: u64 = 1 << 20;
 
 /// The source file near the library or description that defines the function `symbol`.
-pub(super) fn defined_in(symbol: &str, library: &Path, description: &Path) -> Option<PathBuf> {
+#[must_use]
+pub fn defined_in(symbol: &str, library: &Path, description: &Path) -> Option<PathBuf> {
     let name = plain(symbol)?;
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let (library, description) = (absolute(library), absolute(description));

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use genom_cells::{BlackBoxes, Cells, Failure, Kept, Reports, Rules, Setup, Told, react};
 use genom_configuration::{ClockKind, RpcSettings};
 use genom_doors::{Slots, Streams};
-use genom_lifecycle::Nodes;
+use genom_launch::Offers;
 use genom_supervisor::Supervisor;
 use genom_systemd::Manager;
 use genom_telemetry::logs;
@@ -42,7 +42,7 @@ pub(crate) struct Daemon {
     /// Announcements that make this daemon visible to others.
     pub(crate) announcements: Announcements,
     /// Components that ROS 2 manages.
-    pub(crate) nodes: Nodes,
+    pub(crate) offers: Offers,
     /// Progress of loading what the daemon was started with.
     pub(crate) startup: Arc<Startup>,
     /// The service manager that started this process.
@@ -80,7 +80,7 @@ impl Daemon {
             supervisor,
             name: settings.name.clone(),
             announcements: Announcements::default(),
-            nodes: Nodes::default(),
+            offers: Offers::default(),
             startup: Arc::new(Startup::default()),
             manager: Arc::new(Manager::new(&settings.invitation)),
             streams: Streams::new(rpc.max_streams, rpc.max_streams_per_token, closed.clone()),

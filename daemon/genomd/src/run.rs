@@ -127,7 +127,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     };
     let daemon = Daemon::new(&mut settings);
     let names = &settings.config.lifecycle.components;
-    let managed = genom_lifecycle::take(names, &mut settings.deployment);
+    let managed = genom_launch::take(names, &mut settings.deployment);
     let console = Console::open(&settings.config.web, &daemon.rpc, &tokens, own, &daemon.closed);
     let console = console.await.map_err(Refusal::own)?;
     console.iter().for_each(|(console, _)| drop(daemon.console.set(console.clone())));
@@ -177,6 +177,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     let (listener, socket) = socket.split();
     let router = rpc::router(&daemon, &tokens, Door::own());
     ros::manage(&daemon, managed, router.clone()).await?;
+    ros::contain(&daemon, &settings.config, router.clone()).await?;
     let life = Life { router: router.clone(), supervisor: Arc::clone(supervisor) };
     let mut entrances = vec![Entrance { listener, router }];
     if let Some((console, listener)) = console {
@@ -465,7 +466,7 @@ async fn stop(daemon: &Daemon) -> Result<(), Refusal> {
         Refusal::left_behind(format!("stopping the components ended badly: {error}"))
     })?;
     daemon.announcements.withdraw();
-    daemon.nodes.end();
+    daemon.offers.end();
     daemon.own_cell.iter().for_each(|own| own.close());
     supervisor.backends.close();
     daemon.cells.stop_gateways().await;

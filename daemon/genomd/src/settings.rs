@@ -97,6 +97,7 @@ impl Settings {
         })?;
         deployment.component.extend(components);
         config.lifecycle.check(&deployment)?;
+        config.container.check()?;
         // A cell runs what its daemon put there.
         if cli.run_cell.is_none() {
             isolate_scripts(&mut deployment.component, &config.path);

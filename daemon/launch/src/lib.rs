@@ -1,18 +1,17 @@
-//! Components as managed nodes of ROS 2 (design article "Managed nodes", `lifecycle_msgs`): a launch
-//! file, a lifecycle manager or `ros2 lifecycle set` decides when they are loaded and what they do.
+//! What ROS 2's own tools may do with the components of a daemon: a launch file, a lifecycle manager
+//! or `ros2 lifecycle set` leads them as managed nodes ([`take`], [`manage`]), and loads others into a
+//! container ([`contain`]). Both act through the control plane, as any client could.
 //!
-//! [`take`] takes such components out of a deployment, so that the daemon does not load them at its
-//! start. [`serve`] offers the services of their nodes, for as long as the daemon runs: whether the
-//! component is loaded or not. `machine` has the states and what leads from one to the next; `node`
-//! does that through the control plane, as any client could; `messages` has the types.
+//! `offer` serves what is answered in JSON as services of ROS nodes, and `table` has the types that
+//! both need.
 
 #![forbid(unsafe_code)]
 
-mod machine;
-mod managed;
-mod messages;
-mod node;
-mod serve;
+mod container;
+mod lifecycle;
+mod offer;
+mod table;
 
-pub use managed::{Managed, take};
-pub use serve::{Nodes, NotServed, Offered, serve};
+pub use container::{Container, contain};
+pub use lifecycle::{Managed, manage, take};
+pub use offer::{NotServed, Offered, Offers};

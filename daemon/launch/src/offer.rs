@@ -1,22 +1,19 @@
-//! Offers the services of managed nodes on ROS 2.
+//! Serves what is answered in JSON as services of nodes on ROS 2.
 
+use std::future::Future;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
-use std::time::Duration;
 
-use genom_doors::Own;
 use genom_middleware::{
-    ActivityId, Address, Middleware, OpenError, Outcome, PortSpec, Replies, Served, ServiceHandler,
+    ActivityId, Address, Middleware, OpenError, Outcome, Replies, Served, ServiceHandler,
+    ServiceType,
 };
 use genom_registry::{BackendError, Backends, Masquerade};
 use genom_types::{DataType, LayoutError, Record};
+use serde_json::Value;
 use tokio::runtime::Handle;
 use tokio::sync::Semaphore;
-
-use crate::managed::Managed;
-use crate::messages::{self, Service};
-use crate::node::{Events, Node};
 
 /// The middleware that has such nodes.
 const ON: &str = "ros2";
@@ -27,7 +24,7 @@ const AT_ONCE: usize = 16;
 /// Services that one thread takes back, one after the other.
 const TOGETHER: usize = 50;
 
-/// Why components cannot be managed by ROS.
+/// Why nothing is offered to ROS.
 #[derive(Debug, thiserror::Error)]
 pub enum NotServed {
     /// The middleware cannot be opened.
@@ -41,11 +38,83 @@ pub enum NotServed {
     Layout(#[from] LayoutError),
 }
 
+/// A service that is offered.
+pub(crate) trait Kind: Copy + Send + Sync + 'static {
+    /// Its name below the node's.
+    fn name(self) -> &'static str;
+
+    /// The full name of our type, and the ROS type that it is.
+    fn masquerade(self) -> (String, String);
+
+    /// Its input and output.
+    fn types(self) -> Result<ServiceType, LayoutError>;
+}
+
+/// A node that answers.
+pub(crate) trait Answers<K: Kind>: Send + Sync + 'static {
+    /// Its name, in the log.
+    fn name(&self) -> &str;
+
+    /// The output of a service for this input.
+    fn answer(&self, service: K, input: &Value) -> impl Future<Output = Value> + Send;
+}
+
 /// What is offered of nodes, until this is dropped.
 pub struct Offered {
+    middleware: Arc<dyn Middleware>,
     served: Vec<Box<dyn Served>>,
     /// Names of the types, which go after the services.
-    _masquerades: Vec<Masquerade>,
+    masquerades: Vec<Masquerade>,
+}
+
+impl Offered {
+    /// Nothing yet. Opens the middleware, which may take a while.
+    pub(crate) fn nothing(backends: &Backends) -> Result<Self, NotServed> {
+        let middleware = backends.get(ON)?;
+        Ok(Self { middleware, served: Vec::new(), masquerades: Vec::new() })
+    }
+
+    pub(crate) fn middleware(&self) -> &dyn Middleware {
+        &*self.middleware
+    }
+
+    /// Makes the types of these services those of ROS.
+    pub(crate) fn speak<K: Kind>(
+        &mut self,
+        backends: &Arc<Backends>,
+        services: &[K],
+    ) -> Result<(), NotServed> {
+        for service in services {
+            let (ours, ros) = service.masquerade();
+            self.masquerades.extend(backends.masquerade(ON, &ours, &ros)?);
+        }
+        Ok(())
+    }
+
+    /// Serves the services of the node of this instance.
+    pub(crate) fn add<K: Kind>(
+        &mut self,
+        instance: &str,
+        services: &[K],
+        node: &Arc<impl Answers<K>>,
+        runtime: &Handle,
+    ) -> Result<(), NotServed> {
+        let room = Arc::new(Semaphore::new(AT_ONCE));
+        for &service in services {
+            let ty = service.types()?;
+            let handler = Arc::new(Handler {
+                node: Arc::clone(node),
+                service,
+                output: ty.output.clone(),
+                room: Arc::clone(&room),
+                crowded: AtomicBool::new(false),
+                runtime: runtime.clone(),
+            });
+            let at = Address::new(instance, service.name());
+            self.served.push(self.middleware.serve(&at, &ty, handler)?);
+        }
+        Ok(())
+    }
 }
 
 impl Drop for Offered {
@@ -63,76 +132,27 @@ impl Drop for Offered {
     }
 }
 
-/// The nodes of a daemon.
+/// All that a daemon offers to ROS.
 #[derive(Default)]
-pub struct Nodes(Mutex<Option<Offered>>);
+pub struct Offers(Mutex<Vec<Offered>>);
 
-impl Nodes {
-    /// Keeps them until they end.
+impl Offers {
+    /// Keeps an offer until all end.
     pub fn keep(&self, offered: Offered) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(offered);
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(offered);
     }
 
     /// Takes them back.
     pub fn end(&self) {
-        let offered = self.0.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let offered = std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner));
         drop(offered);
     }
 }
 
-/// Offers the lifecycle services of these components. They act through `plane`, and wait at most
-/// `patience` for an activity to stop. This may take a while, as it opens the middleware.
-///
-/// # Errors
-/// The middleware cannot be opened, or refuses a service.
-pub fn serve(
-    managed: Vec<Managed>,
-    backends: &Arc<Backends>,
-    plane: &Own,
-    patience: Duration,
-    runtime: &Handle,
-) -> Result<Offered, NotServed> {
-    let mut masquerades = Vec::new();
-    for service in Service::ALL {
-        let (ours, ros) = service.masquerade();
-        masquerades.extend(backends.masquerade(ON, &ours, &ros)?);
-    }
-    let middleware = backends.get(ON)?;
-    let mut served = Vec::new();
-    for what in managed {
-        tracing::info!("{}: is managed by ROS 2: it is loaded when that configures it", what.name);
-        let events = events(&*middleware, &what.name)?;
-        let at = |name: &str| Address::new(what.name.clone(), name);
-        let addresses = Service::ALL.map(|service| at(service.name()));
-        let node = Arc::new(Node::new(what, plane.clone(), patience, events));
-        let room = Arc::new(Semaphore::new(AT_ONCE));
-        for (service, address) in Service::ALL.into_iter().zip(addresses) {
-            let ty = service.types()?;
-            let handler = Arc::new(Handler {
-                node: Arc::clone(&node),
-                service,
-                output: ty.output.clone(),
-                room: Arc::clone(&room),
-                crowded: AtomicBool::new(false),
-                runtime: runtime.clone(),
-            });
-            served.push(middleware.serve(&address, &ty, handler)?);
-        }
-    }
-    Ok(Offered { served, _masquerades: masquerades })
-}
-
-fn events(middleware: &dyn Middleware, node: &str) -> Result<Events, NotServed> {
-    let ty = messages::event()?;
-    let address = Address::new(node, "transition_event");
-    let publisher = middleware.publisher(&PortSpec::new(&address, &ty))?;
-    Ok(Events { publisher, message: Record::new(&ty) })
-}
-
 /// Serves one service of one node.
-struct Handler {
-    node: Arc<Node>,
-    service: Service,
+struct Handler<K, N> {
+    node: Arc<N>,
+    service: K,
     output: DataType,
     room: Arc<Semaphore>,
     /// Whether the log was told that requests were left out.
@@ -140,14 +160,15 @@ struct Handler {
     runtime: Handle,
 }
 
-impl ServiceHandler for Handler {
+impl<K: Kind, N: Answers<K>> ServiceHandler for Handler<K, N> {
     fn request(&self, input: Record, replies: Box<dyn Replies>) {
         let Ok(place) = Arc::clone(&self.room).try_acquire_owned() else {
             // Who asked gets no reply, as when the node is gone.
             if !self.crowded.swap(true, Ordering::Relaxed) {
                 tracing::warn!(
-                    "{}: more than {AT_ONCE} requests to its lifecycle at once: some get no reply",
-                    self.node.name()
+                    "{}: more than {AT_ONCE} requests at once, as for {}: some get no reply",
+                    self.node.name(),
+                    self.service.name()
                 );
             }
             return;
@@ -156,7 +177,7 @@ impl ServiceHandler for Handler {
         let mut output = Record::new(&self.output);
         let input = input.to_json();
         self.runtime.spawn(async move {
-            let said = node.serve(service, &input).await;
+            let said = node.answer(service, &input).await;
             match output.merge_json(&said) {
                 Ok(()) => replies.finish(Outcome::Success(output)),
                 Err(error) => tracing::error!("{}: {error}", node.name()),

@@ -61,6 +61,7 @@ mod ports;
 mod quality;
 mod refusal;
 mod reload;
+mod remap;
 mod remedies;
 pub mod replay;
 mod requests;
@@ -134,6 +135,7 @@ pub use ports::{
 pub use quality::{PortQos, QosEntry};
 pub use refusal::{Reason, Refusal};
 pub use reload::{ComponentReload, ReloadRequest};
+pub use remap::{BadRemap, Remap, Renamed, renamed};
 pub use remedies::{Choice, Remedy};
 pub use replay::Replayed;
 pub use right::Right;

@@ -9,7 +9,7 @@ use serde_json::Value;
 use crate::several::one_or_several;
 use crate::supervision::rules;
 use crate::{
-    BackendNames, QosEntry, Reaction, RestartPolicy, Restore, Resumption, SupervisionEntry,
+    BackendNames, QosEntry, Reaction, Remap, RestartPolicy, Restore, Resumption, SupervisionEntry,
 };
 
 /// A component to load.
@@ -64,6 +64,11 @@ pub struct LoadRequest {
     /// Quality of service of its ports.
     #[serde(default, skip_serializing_if = "QosEntry::is_empty")]
     pub qos: QosEntry,
+    /// Other names of its node, out ports and services on ROS 2, by ROS's rules: `position:=/odom`,
+    /// `__ns:=/lab`, `__node:=arm`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "openapi", schema(value_type = Vec<String>))]
+    pub remap: Vec<Remap>,
     /// Options of its tasks that override the description, by name of the task.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub tasks: BTreeMap<String, TaskEntry>,

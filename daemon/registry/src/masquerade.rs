@@ -5,6 +5,9 @@ use std::sync::{Arc, PoisonError};
 use crate::backends::{Backends, Disguise};
 use crate::known::{BackendError, known};
 
+/// The middleware that has rules of renaming.
+const RENAMING: &str = "ros2";
+
 /// Keeps a type or service shown under a foreign name. The name lasts until the last `Masquerade`
 /// for it is dropped.
 pub struct Masquerade {
@@ -44,6 +47,21 @@ impl Backends {
         }
         drop((all, open));
         Ok(Some(Masquerade { backends: Arc::clone(self), disguise }))
+    }
+
+    /// Shows an instance, its ports or services under other names on ROS 2: pairs of our name and
+    /// the other one, as [`Middleware::masquerade`](genom_middleware::Middleware::masquerade) takes
+    /// them.
+    ///
+    /// # Errors
+    /// The middleware does not accept a name.
+    pub fn rename(
+        self: &Arc<Self>,
+        names: Vec<(String, String)>,
+    ) -> Result<Vec<Masquerade>, BackendError> {
+        let one =
+            |(ours, other): (String, String)| self.masquerade(RENAMING, &ours, &other).transpose();
+        names.into_iter().filter_map(one).collect()
     }
 
     /// The names in use: middleware, full IDL name, foreign name.

@@ -35,7 +35,6 @@ pub use genom_bus::{self as bus, flag};
 pub mod components;
 pub mod connections;
 pub mod deploy;
-pub mod known;
 pub mod limits;
 pub mod loading;
 pub mod outcome;

@@ -15,13 +15,13 @@ use genom_runtime::{Clock, Execution, Executor, VirtualClock};
 
 use crate::components::{Components, Hosted, UnloadError};
 use crate::connections::{self, Connections, Opening};
-use crate::known::Known;
 use crate::reactor::Reactions;
 use crate::recording::{BlackBox, Recordings, Session, Watch, heads};
 use crate::settings::Settings;
 use crate::vigil;
 use genom_bus::flag::Flag;
 use genom_bus::{Bus, Change};
+use genom_finder::Known;
 
 /// Runs components. It can be shared between threads.
 pub struct Supervisor {

@@ -43,8 +43,10 @@ pub trait Middleware: Ports + Send + Sync {
         Vec::new()
     }
 
-    /// From now on, exposes a type or service (`ours`, its full name such as `::demo::pose`) as the
-    /// middleware's own type `foreign`. A backend without types of its own ignores this.
+    /// From now on, exposes `ours` as `foreign`: a type or a service, by its full name such as
+    /// `::demo::pose`, as the middleware's own type; an instance (`demo`), or a port or a service of
+    /// one (`demo/position`), under another name. A backend without types or names of its own
+    /// ignores this.
     ///
     /// # Errors
     /// `foreign` is not a valid name; the text says what would be one.

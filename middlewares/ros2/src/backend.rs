@@ -1,5 +1,6 @@
 //! The middleware as the daemon sees it.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use genom_middleware::{
@@ -10,8 +11,10 @@ use genom_middleware::{
 
 use crate::dds::Dds;
 use crate::diagnostics::Diagnostics;
+use crate::domain::Domain;
 use crate::error::{BACKEND, ParticipantError};
-use crate::options::{Options, Rmw as Carrier};
+use crate::names;
+use crate::options::{Networks, Options, Rmw as Carrier};
 use crate::rmw::Rmw;
 use crate::ros::Ros;
 use crate::rosout::Rosout;
@@ -26,6 +29,7 @@ pub struct Ros2 {
     diagnostics: Arc<Diagnostics>,
     ros: Arc<Ros>,
     services: Arc<ServiceEnds>,
+    meeting: Vec<(Cow<'static, str>, String)>,
 }
 
 impl Ros2 {
@@ -41,7 +45,9 @@ impl Ros2 {
         };
         let ros = Ros::new(rmw, options);
         let services = ServiceEnds::new(Arc::clone(&ros));
-        Ok(Arc::new(Self { rosout: Arc::default(), diagnostics: Arc::default(), ros, services }))
+        let meeting = meeting(options)?;
+        let (rosout, diagnostics) = (Arc::default(), Arc::default());
+        Ok(Arc::new(Self { rosout, diagnostics, ros, services, meeting }))
     }
 
     /// Blocks the out port that was opened first from sending until the result is dropped, so that
@@ -51,6 +57,24 @@ impl Ros2 {
     pub fn stall(&self) -> impl Send + use<> {
         self.ros.rmw.stall()
     }
+}
+
+/// What others must have in common with this daemon to see it.
+fn meeting(options: &Options) -> Result<Vec<(Cow<'static, str>, String)>, ParticipantError> {
+    let Domain { number, networks } = Domain::of(options)?;
+    let rmw = match options.rmw() {
+        Carrier::Dds => "dds",
+        Carrier::Zenoh => "zenoh",
+    };
+    let networks = match networks {
+        Networks::Loopback => "loopback".to_owned(),
+        Networks::All => "all networks".to_owned(),
+        Networks::Only(addresses) => {
+            addresses.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+        }
+    };
+    let all = [("domain", number.to_string()), ("rmw", rmw.to_owned()), ("networks", networks)];
+    Ok(all.map(|(name, value)| (Cow::from(name), value)).to_vec())
 }
 
 impl Backend for Ros2 {
@@ -90,6 +114,10 @@ impl Middleware for Ros2 {
         }
     }
 
+    fn meeting_point(&self) -> Vec<(Cow<'static, str>, String)> {
+        self.meeting.clone()
+    }
+
     fn services(&self) -> Option<&dyn Services> {
         Some(self)
     }
@@ -99,11 +127,17 @@ impl Middleware for Ros2 {
     }
 
     fn masquerade(&self, ours: &str, foreign: &str) -> Result<(), NoForeignName> {
-        self.ros.masquerades.add(ours, foreign)
+        match names::is_type(ours) {
+            true => self.ros.masquerades.add(ours, foreign),
+            false => self.ros.names.give(ours, foreign),
+        }
     }
 
     fn unmask(&self, ours: &str) {
-        self.ros.masquerades.remove(ours);
+        match names::is_type(ours) {
+            true => self.ros.masquerades.remove(ours),
+            false => self.ros.names.take_back(ours),
+        }
     }
 
     fn takes_reports(&self) -> bool {
@@ -160,10 +194,10 @@ impl Discovery for Ros2 {
     }
 
     fn spelled(&self, at: &Address) -> String {
-        self.ros.full(at)
+        self.ros.names.full(at)
     }
 
     fn obstacles(&self, at: &Address) -> Vec<Obstacle> {
-        self.ros.rmw.obstacles(at, &self.ros.path(at))
+        self.ros.rmw.obstacles(at, &self.ros.names.path(at))
     }
 }

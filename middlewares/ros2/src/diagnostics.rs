@@ -41,8 +41,8 @@ impl Diagnostics {
     pub(crate) fn put(&self, ros: &Ros, all: &[Diagnosis]) {
         let nodes = ros.rmw.nodes();
         let of_node = all.iter().filter_map(|one| {
-            let node = names::token(&one.instance);
-            nodes.contains(&node).then(|| status(&node, one))
+            let node = ros.names.node(&one.instance);
+            nodes.contains(&node).then(|| status(names::split(&node).1, one))
         });
         let status: Vec<_> = of_node.collect();
         if status.is_empty() {

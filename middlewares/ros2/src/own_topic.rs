@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use serde::Serialize;
 
-use crate::names::{self, TypeName};
+use crate::names::TypeName;
 use crate::rmw::{EndError, TopicWriter};
 use crate::ros::Ros;
 use crate::typed;
@@ -21,7 +21,7 @@ struct Writer {
 impl Writer {
     fn open(ros: &Ros, name: &str, ty: TypeName, latched: bool) -> Result<Self, EndError> {
         let of = ros.of_ros(name.to_owned(), ty);
-        let node = names::own_node();
+        let node = ros.names.own_node();
         let writer = ros.rmw.writer(&node, &of, latched)?;
         let belonging = ros.rmw.belong(&node, writer.entities());
         Ok(Self { writer, _belonging: belonging })

@@ -40,7 +40,7 @@ pub(crate) struct Wanted {
     pub(crate) digest: String,
     /// The topic or service; of an action, the service that takes its goals.
     pub(crate) of: Named,
-    /// The ROS node that it belongs to: the component instance.
+    /// The ROS node that it belongs to, with its namespace in front: that of the component.
     pub(crate) node: String,
 }
 
@@ -156,7 +156,7 @@ pub(crate) trait Rmw: Send + Sync {
     /// Registers entities of a node that are not an end of ours, until the result is dropped.
     fn belong(&self, node: &str, entities: Entities) -> Box<dyn Send + Sync>;
 
-    /// `node` is the name of the node that has it, as in the functions below.
+    /// `node` is the node that has it, with its namespace in front, as in the functions below.
     fn server(
         &self,
         node: &str,

@@ -9,7 +9,7 @@ use genom_types::DataType;
 
 use crate::error::BACKEND;
 use crate::masquerades::Masquerades;
-use crate::names;
+use crate::names::Names;
 use crate::options::Options;
 use crate::rmw::{Named, Rmw, Wanted};
 
@@ -17,27 +17,15 @@ use crate::rmw::{Named, Rmw, Wanted};
 pub(crate) struct Ros {
     pub(crate) rmw: Arc<dyn Rmw>,
     pub(crate) options: Options,
+    pub(crate) names: Names,
     pub(crate) masquerades: Masquerades,
 }
 
 impl Ros {
     pub(crate) fn new(rmw: Arc<dyn Rmw>, options: &Options) -> Arc<Self> {
         let masquerades = Masquerades::new(options);
-        Arc::new(Self { rmw, options: options.clone(), masquerades })
-    }
-
-    /// The ROS name of an address without its leading slash, as messages and lists show it.
-    pub(crate) fn path(&self, at: &Address) -> String {
-        names::path(&self.options.namespace, at)
-    }
-
-    /// The address with the namespace in front.
-    pub(crate) fn full(&self, at: &Address) -> String {
-        match self.options.namespace.trim_matches('/') {
-            _ if at.instance.is_empty() => at.name.clone(),
-            "" => at.to_string(),
-            namespace => format!("{namespace}/{at}"),
-        }
+        let names = Names::new(&options.namespace);
+        Arc::new(Self { rmw, options: options.clone(), names, masquerades })
     }
 
     /// A topic or service of a type of ROS's own.
@@ -55,14 +43,14 @@ impl Ros {
         let message = self.masquerades.message(ty).map_err(|why| failed(at, why))?;
         Ok(Wanted {
             kind,
-            address: self.full(at),
+            address: self.names.full(at),
             types: type_of_port(ty),
             digest: ty.digest().to_owned(),
-            of: Named { name: self.path(at), ty: message, hash: self.masquerades.hash(ty) },
+            of: Named { name: self.names.path(at), ty: message, hash: self.masquerades.hash(ty) },
             node: match kind {
                 // The address is the writer's; which component reads is not known here.
-                EndpointKind::Subscription => names::own_node(),
-                _ => names::token(&at.instance),
+                EndpointKind::Subscription => self.names.own_node(),
+                _ => self.names.node(&at.instance),
             },
         })
     }

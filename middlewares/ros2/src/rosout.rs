@@ -7,7 +7,6 @@ use genom_middleware::{LogEntry, LogLevel};
 use ros2_client::Log;
 use ros2_client::builtin_interfaces::Time;
 
-use crate::names;
 use crate::own_topic::OwnTopic;
 use crate::ros::Ros;
 
@@ -18,11 +17,10 @@ pub(crate) struct Rosout(OwnTopic);
 impl Rosout {
     /// Publishes an entry of a component that is a node here.
     pub(crate) fn put(&self, ros: &Ros, entry: &LogEntry) {
-        let node = names::token(&entry.instance);
+        let node = ros.names.node(&entry.instance);
         if !ros.rmw.nodes().contains(&node) {
             return;
         }
-        let parts = ros.options.namespace.split('/').filter(|part| !part.is_empty());
         let log = Log {
             stamp: Time::from_nanos(entry.time),
             level: match entry.level {
@@ -31,7 +29,7 @@ impl Rosout {
                 LogLevel::Warn => Log::WARN,
                 LogLevel::Error => Log::ERROR,
             },
-            name: parts.chain([node.as_str()]).collect::<Vec<_>>().join("."),
+            name: node.replace('/', "."),
             msg: entry.message.clone(),
             file: String::new(),
             function: entry.place.clone(),

@@ -90,7 +90,7 @@ impl ServiceEnds {
 
     fn plan(&self, at: &Address, ty: &ServiceType) -> Result<Plan, OpenError> {
         let masquerades = &self.ros.masquerades;
-        let path = self.ros.path(at);
+        let path = self.ros.names.path(at);
         let activity = ty.kind == ServiceKind::Activity;
         let foreign = masquerades.service(ty).map_err(|why| failed(at, why))?;
         let hashes = |name: &TypeName, foreign| masquerades.hashes(name, ty, foreign);
@@ -114,11 +114,11 @@ impl ServiceEnds {
         };
         let wanted = Wanted {
             kind: EndpointKind::Service,
-            address: self.ros.full(at),
+            address: self.ros.names.full(at),
             types: types_of_service(ty),
             digest: ty.digest(),
             of,
-            node: names::token(&at.instance),
+            node: self.ros.names.node(&at.instance),
         };
         Ok(Plan { wanted, path, ty: ros, hashes, style })
     }
@@ -225,7 +225,7 @@ impl ServiceEnds {
                 shared(&self.actions, key, || self.action(&plan).map(Arc::new)).map(Way::Action)
             }
             _ => shared(&self.clients, key, || {
-                Ok(Arc::from(self.ros.rmw.caller(&names::own_node(), of)?))
+                Ok(Arc::from(self.ros.rmw.caller(&self.ros.names.own_node(), of)?))
             })
             .map(Way::Service),
         };
@@ -245,7 +245,7 @@ impl ServiceEnds {
     }
 
     fn action(&self, plan: &Plan) -> Result<ActionEnd, EndError> {
-        let (ros, node) = (&self.ros, names::own_node());
+        let (ros, node) = (&self.ros, self.ros.names.own_node());
         let runs = Arc::new(Runs::default());
         let heard = Arc::clone(&runs);
         let on_feedback = Box::new(move |message: &[u8]| heard.feedback(message));

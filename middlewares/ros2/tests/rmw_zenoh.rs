@@ -21,8 +21,9 @@ use genom_components::peer::Peer;
 use genom_conformance::eventually;
 use genom_conformance::samples::basic;
 use genom_middleware::{
-    ActivityId, Address, CallError, Discovery, EndpointKind, OpenError, Outcome, Policy, PortSpec,
-    Ports, Quality, Reading, Replies, ServiceHandler, ServiceKind, ServiceType, Services,
+    ActivityId, Address, CallError, Discovery, EndpointKind, Middleware, OpenError, Outcome,
+    Policy, PortSpec, Ports, Quality, Reading, Replies, ServiceHandler, ServiceKind, ServiceType,
+    Services,
 };
 use genom_ros2::{Options, Ros2};
 use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeId, TypeTable};
@@ -386,6 +387,25 @@ fn attributes_are_parameters_of_the_node() {
     let reply = node.ask(&json!(["call", "/demo/list_parameters", all]));
     let listed = hexadecimal(b"speed");
     assert!(reply["body"].as_str().unwrap().contains(&listed), "{reply}");
+}
+
+#[test]
+fn a_node_and_its_topic_have_the_names_that_were_given_to_them_until_these_are_taken_back() {
+    let place = Place::new();
+    let ros2 = place.open();
+    ros2.masquerade("demo", "/lab/arm").unwrap();
+    ros2.masquerade("demo/speed", "odom").unwrap();
+    let writer = ros2.publisher(&PortSpec::new(&speed(), &double())).unwrap();
+    let mut node = node(&place, false);
+    node.ask(&json!(["there", "/NN/%/%lab/arm"]));
+    node.ask(&json!(["there", "/MP/%/%lab/arm/%lab%odom/"]));
+    assert_eq!(ros2.spelled(&speed()), "lab/odom");
+    drop(writer);
+    node.ask(&json!(["gone", "/NN/%/%lab/arm"]));
+    ["demo", "demo/speed"].iter().for_each(|ours| ros2.unmask(ours));
+    let _writer = ros2.publisher(&PortSpec::new(&speed(), &double())).unwrap();
+    node.ask(&json!(["there", "/MP/%/%/demo/%demo%speed/"]));
+    assert!(ros2.masquerade("demo", "/2").is_err());
 }
 
 /// Environment variable with the router of the process that is killed.

@@ -21,7 +21,7 @@ use genom_host::{Digest, without_leftovers};
 use genom_runtime::plan::{Plan, PlanError};
 
 use seen::Seen;
-pub(crate) use texts::Texts;
+pub use texts::Texts;
 
 /// Maximum number of descriptions kept, those used last. A daemon rarely runs that many kinds of
 /// components.
@@ -126,7 +126,7 @@ impl Reading {
     }
 
     /// The texts that it was read from.
-    pub(crate) fn texts(&self) -> Texts {
+    pub fn texts(&self) -> Texts {
         let texts = self.seen.contents();
         match &self.description {
             Description::Kept(texts) => Texts::clone(texts),
@@ -150,7 +150,7 @@ impl Reading {
     }
 
     /// Directories in which included files were searched.
-    pub(crate) fn include(&self) -> &[PathBuf] {
+    pub fn include(&self) -> &[PathBuf] {
         &self.include
     }
 

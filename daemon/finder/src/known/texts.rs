@@ -31,7 +31,7 @@ impl Texts {
     }
 
     /// All of them, by the paths by which they were read.
-    pub(crate) fn all(self) -> impl Iterator<Item = (PathBuf, Vec<u8>)> {
+    pub fn all(self) -> impl Iterator<Item = (PathBuf, Vec<u8>)> {
         self.texts.into_iter()
     }
 
@@ -50,7 +50,7 @@ impl Texts {
     ///
     /// # Errors
     /// The system refuses, or a path is no text.
-    pub(crate) fn write(&self, to: &Path) -> io::Result<()> {
+    pub fn write(&self, to: &Path) -> io::Result<()> {
         fs::write(to, serde_json::to_vec(self)?)
     }
 
@@ -58,7 +58,7 @@ impl Texts {
     ///
     /// # Errors
     /// It cannot be read.
-    pub(crate) fn read(from: &Path) -> io::Result<Option<Self>> {
+    pub fn read(from: &Path) -> io::Result<Option<Self>> {
         match fs::read(from) {
             Ok(text) => Ok(Some(serde_json::from_slice(&text)?)),
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),

@@ -4,7 +4,7 @@ use clap_complete::engine::{ArgValueCompleter, PathCompleter};
 use std::path::{Path, PathBuf};
 
 use genom_protocol::{
-    BackendNames, Component, LoadRequest, NoReaction, Reaction, RestartPolicy, routes,
+    BackendNames, Component, LoadRequest, NoReaction, Reaction, Remap, RestartPolicy, routes,
 };
 
 use crate::complete::Names;
@@ -37,6 +37,10 @@ pub(crate) struct Args {
     /// Whether it is brought up again when the process of its cell has ended [default: on-failure].
     #[arg(long, value_name = "POLICY")]
     restart: Option<RestartPolicy>,
+    /// Another name on ROS 2 for an out port, a service or its node, by ROS's rules:
+    /// position:=/odom, __ns:=/lab, __node:=arm; may be given several times.
+    #[arg(short = 'r', long, value_name = "RULE")]
+    remap: Vec<Remap>,
     /// What is done of another component when the process of its cell ends by a fault: call
     /// COMPONENT/SERVICE, start COMPONENT/ACTIVITY or fire COMPONENT/EVENT, with inputs as of `call`;
     /// may be given several times.
@@ -92,6 +96,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
         cell: args.cell,
         restart: args.restart.unwrap_or_default(),
         on_failure: args.on_failure,
+        remap: args.remap,
         ..LoadRequest::default()
     };
     if args.isolated {

@@ -1,9 +1,10 @@
-//! The messages and services of `lifecycle_msgs`, as IDL types whose names are those of ROS.
+//! The messages and services of `lifecycle_msgs`.
 
-use std::sync::Arc;
+use genom_middleware::ServiceType;
+use genom_types::{DataType, Kind, LayoutError, TypeId};
 
-use genom_middleware::{ServiceKind, ServiceType};
-use genom_types::{DataType, Kind, LayoutError, Member, ScopedName, TypeId, TypeTable};
+use crate::offer::Kind as Offered;
+use crate::table::Table;
 
 /// The package of all of them.
 const PACKAGE: &str = "lifecycle_msgs";
@@ -28,9 +29,10 @@ impl Service {
         Self::GetAvailableTransitions,
         Self::GetTransitionGraph,
     ];
+}
 
-    /// Its name below the node's.
-    pub(crate) const fn name(self) -> &'static str {
+impl Offered for Service {
+    fn name(self) -> &'static str {
         match self {
             Self::ChangeState => "change_state",
             Self::GetState => "get_state",
@@ -40,8 +42,7 @@ impl Service {
         }
     }
 
-    /// The full name of our type, and the ROS type that it is.
-    pub(crate) fn masquerade(self) -> (String, String) {
+    fn masquerade(self) -> (String, String) {
         let ros = match self {
             Self::ChangeState => "ChangeState",
             Self::GetState => "GetState",
@@ -51,82 +52,58 @@ impl Service {
         (format!("::{PACKAGE}::{}", self.name()), format!("{PACKAGE}/srv/{ros}"))
     }
 
-    /// Its input and output.
-    pub(crate) fn types(self) -> Result<ServiceType, LayoutError> {
-        let mut table = Table::default();
+    fn types(self) -> Result<ServiceType, LayoutError> {
+        let mut table = Table::of(PACKAGE);
         let (input, output) = match self {
             Self::ChangeState => {
-                let (transition, success) = (table.transition(), table.0.add(Kind::Boolean));
+                let (transition, success) = (transition(&mut table), table.add(Kind::Boolean));
                 (vec![("transition", transition)], ("success", success))
             }
-            Self::GetState => (vec![], ("current_state", table.state())),
+            Self::GetState => (vec![], ("current_state", state(&mut table))),
             Self::GetAvailableStates => {
-                let state = table.state();
+                let state = state(&mut table);
                 (vec![], ("available_states", table.several(state)))
             }
             Self::GetAvailableTransitions | Self::GetTransitionGraph => {
-                let description = table.description();
+                let description = description(&mut table);
                 (vec![], ("available_transitions", table.several(description)))
             }
         };
-        let input = table.of([self.name(), "input"], input);
-        let output = table.of([self.name(), "output"], vec![output]);
-        let table = Arc::new(table.0);
-        let (input, output) = (DataType::new(&table, input)?, DataType::new(&table, output)?);
-        Ok(ServiceType::new(ServiceKind::Function, input, output))
+        table.service(self.name(), input, vec![output])
     }
 }
 
 /// `lifecycle_msgs/msg/TransitionEvent`.
 pub(crate) fn event() -> Result<DataType, LayoutError> {
-    let mut table = Table::default();
-    let timestamp = table.0.add(Kind::UnsignedLongLong);
-    let (transition, state) = (table.transition(), table.state());
+    let mut table = Table::of(PACKAGE);
+    let timestamp = table.add(Kind::UnsignedLongLong);
+    let (transition, state) = (transition(&mut table), state(&mut table));
     let members = vec![
         ("timestamp", timestamp),
         ("transition", transition),
         ("start_state", state),
         ("goal_state", state),
     ];
-    let event = table.of(["TransitionEvent"], members);
-    DataType::new(&Arc::new(table.0), event)
+    let event = table.message("TransitionEvent", members);
+    table.finish(event)
 }
 
-/// A table with the messages that the others are made of.
-#[derive(Default)]
-struct Table(TypeTable);
+/// `Transition` and `State` have the same members.
+fn spelled(table: &mut Table, name: &str) -> TypeId {
+    let members = vec![("id", table.add(Kind::Octet)), ("label", table.string())];
+    table.message(name, members)
+}
 
-impl Table {
-    /// A struct with this name within the package.
-    fn of<const N: usize>(&mut self, name: [&str; N], members: Vec<(&str, TypeId)>) -> TypeId {
-        let member = |(name, ty): (&str, TypeId)| Member { name: name.to_owned(), ty };
-        let members = members.into_iter().map(member).collect();
-        let name = ScopedName::new([PACKAGE].into_iter().chain(name));
-        self.0.add(Kind::Struct { name, members })
-    }
+fn state(table: &mut Table) -> TypeId {
+    spelled(table, "State")
+}
 
-    /// `Transition` and `State` have the same members.
-    fn spelled(&mut self, name: &str) -> TypeId {
-        let (id, label) = (self.0.add(Kind::Octet), self.0.add(Kind::String { bound: None }));
-        self.of([name], vec![("id", id), ("label", label)])
-    }
+fn transition(table: &mut Table) -> TypeId {
+    spelled(table, "Transition")
+}
 
-    fn state(&mut self) -> TypeId {
-        self.spelled("State")
-    }
-
-    fn transition(&mut self) -> TypeId {
-        self.spelled("Transition")
-    }
-
-    fn description(&mut self) -> TypeId {
-        let (transition, state) = (self.transition(), self.state());
-        let members =
-            vec![("transition", transition), ("start_state", state), ("goal_state", state)];
-        self.of(["TransitionDescription"], members)
-    }
-
-    fn several(&mut self, element: TypeId) -> TypeId {
-        self.0.add(Kind::Sequence { element, bound: None })
-    }
+fn description(table: &mut Table) -> TypeId {
+    let (transition, state) = (transition(table), state(table));
+    let members = vec![("transition", transition), ("start_state", state), ("goal_state", state)];
+    table.message("TransitionDescription", members)
 }

@@ -13,9 +13,10 @@ use genom_protocol::{
 use genom_types::Record;
 use serde_json::{Value, json};
 
-use crate::machine::{State, Transition, graph, states};
-use crate::managed::Managed;
-use crate::messages::Service;
+use super::machine::{State, Transition, graph, states};
+use super::managed::Managed;
+use super::messages::Service;
+use crate::offer::Answers;
 
 /// Why a transition failed.
 #[derive(Debug, thiserror::Error)]
@@ -76,18 +77,12 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Node {
-    pub(crate) fn new(what: Managed, plane: Own, patience: Duration, events: Events) -> Self {
-        let now = Now { state: State::Unconfigured, doing: None, started: Vec::new() };
-        Self { what, plane, patience, now: Mutex::new(now), events: Mutex::new(events) }
-    }
-
-    pub(crate) fn name(&self) -> &str {
+impl Answers<Service> for Node {
+    fn name(&self) -> &str {
         &self.what.name
     }
 
-    /// The output of a service for this input.
-    pub(crate) async fn serve(&self, service: Service, input: &Value) -> Value {
+    async fn answer(&self, service: Service, input: &Value) -> Value {
         match service {
             Service::ChangeState => json!({"success": self.change(&input["transition"]).await}),
             Service::GetState => {
@@ -107,6 +102,17 @@ impl Node {
             }
             Service::GetTransitionGraph => json!({"available_transitions": graph()}),
         }
+    }
+}
+
+impl Node {
+    pub(crate) fn new(what: Managed, plane: Own, patience: Duration, events: Events) -> Self {
+        let now = Now { state: State::Unconfigured, doing: None, started: Vec::new() };
+        Self { what, plane, patience, now: Mutex::new(now), events: Mutex::new(events) }
+    }
+
+    fn name(&self) -> &str {
+        &self.what.name
     }
 
     /// Takes in what others did with the component: whoever uses the control plane can load and

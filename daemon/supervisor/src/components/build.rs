@@ -6,7 +6,7 @@ use std::sync::Arc;
 use genom_configuration::LoadRequest;
 use genom_host::Digest;
 
-use crate::known::{Description, Reading};
+use genom_finder::{Description, Reading};
 
 /// What a component runs.
 #[derive(Clone)]

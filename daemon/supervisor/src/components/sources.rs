@@ -10,8 +10,8 @@ use genom_protocol::{ClockKind, ExecutionKind, SourceText, Sources, TaskEntry, T
 use genom_runtime::nanos;
 
 use super::hosted::Hosted;
-use crate::known::Reading;
 use crate::settings::Settings;
+use genom_finder::Reading;
 
 impl Hosted {
     /// What it was made of. Its texts are those that were read when it was loaded, whatever their

@@ -8,11 +8,11 @@ use serde_json::Value;
 use super::step::Step;
 use crate::components::{Components, Hosted};
 use crate::connections::Connections;
-use crate::loading::locate::locate;
 use crate::ties::Connection;
 use genom_configuration::{
     BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest, Spot,
 };
+use genom_finder::locate;
 
 /// Why there are no such steps: the deployment contradicts itself or what runs. Nothing was
 /// changed.

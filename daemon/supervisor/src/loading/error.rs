@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::locate::LocateError;
 use crate::components::Unfit;
 use crate::connections::BindError;
-use crate::known::ReadError;
 use genom_configuration::NoPeriod;
+use genom_finder::LocateError;
+use genom_finder::ReadError;
 use genom_registry::BackendError;
 use genom_rules::NoSuchRule;
 
@@ -61,6 +61,12 @@ pub enum LoadError {
     /// The request names a port, task or service that the component does not have.
     #[error("{name} has no {what} `{typed}`; {help}")]
     NoSuch { name: String, what: &'static str, typed: String, help: String },
+    /// A rule of renaming is about an in port.
+    #[error(
+        "{name}: remap: {port} is an in port, which has no name of its own: connect it with \
+         [[connection]] in = \"{name}/{port}\", out = \"ros2:{to}\""
+    )]
+    RemapsInPort { name: String, port: String, to: String },
     /// The quality of service of a port is not valid.
     #[error("{name}/{port}: {why}")]
     Qos { name: String, port: String, why: String },
@@ -80,6 +86,8 @@ impl LoadError {
     pub fn key(&self) -> Vec<String> {
         match self {
             LoadError::Attribute { key, .. } => key.clone(),
+            LoadError::RemapsInPort { .. } => vec!["remap".to_owned()],
+            LoadError::NoSuch { what: "out port or service", .. } => vec!["remap".to_owned()],
             LoadError::NoSuch { what, typed, .. } => vec![format!("{what}s"), typed.clone()],
             LoadError::Qos { port, .. } => ["qos", "ports", port].map(str::to_owned).to_vec(),
             LoadError::Backend(_) => vec!["backend".to_owned()],

@@ -3,36 +3,32 @@
 
 pub(crate) mod built;
 mod error;
-mod installed;
-pub(crate) mod locate;
 mod reactions;
 mod source;
 mod standard;
 mod start;
-mod undefined;
 mod warnings;
 
 use std::sync::Arc;
 
 use genom_configuration::{BackendNames, CallEntry, LoadRequest};
 use genom_description::model::{Component as Model, PortDirection, ServiceKind};
+use genom_finder::{Located, Reading, defined_in, locate};
 use genom_host::{Component, Contents, Digest, Library, OpenError};
 use genom_nearest::suggest;
-use genom_protocol::Sources;
+use genom_protocol::{Renamed, Sources};
 
-use self::locate::Located;
 use self::standard::unload_killed;
 use self::warnings::tell_warnings;
 use crate::components::request::{self, RequestError};
 use crate::components::{Build, Hosted, sources};
-use crate::known::Reading;
 use crate::settings::Settings;
 use crate::supervisor::Supervisor;
 pub use built::text as date_in_utc;
 pub use error::LoadError;
 use genom_bus::Change;
+pub use genom_finder::names_script;
 pub use genom_rules::NoSuchRule;
-pub use locate::names_script;
 pub use reactions::{IdleReaction, check_reactions};
 pub(crate) use source::{Source, texts_beside};
 
@@ -149,6 +145,7 @@ pub(crate) fn begin(
         let name = one.name.to_string();
         masquerades.extend(supervisor.backends.masquerade(&one.template, &name, &one.data)?);
     }
+    masquerades.extend(supervisor.backends.rename(genom_protocol::renamed(&name, &request.remap))?);
     let opened = match opened {
         Some(opened) => opened,
         None => open(&mut located, &reading)?,
@@ -168,14 +165,14 @@ pub(crate) fn begin(
 /// Finds and reads the description of a component, and tells what it is made of. Its library is not
 /// opened.
 pub fn look(settings: &Settings, request: &LoadRequest) -> Result<Sources, LoadError> {
-    let located = locate::locate(request, &settings.path)?;
+    let located = locate(request, &settings.path)?;
     let reading = Reading::new(&located.description, &settings.include)?;
     Ok(sources(&reading, request, settings))
 }
 
 /// Performs the checks of [`Supervisor::load`] without starting anything, and reports the result.
 pub fn fit(settings: &Settings, request: &LoadRequest) -> Result<String, LoadError> {
-    let mut located = locate::locate(request, &settings.path)?;
+    let mut located = locate(request, &settings.path)?;
     let reading = Reading::new(&located.description, &settings.include)?;
     tell_warnings(&located, &reading);
     open(&mut located, &reading)?;
@@ -216,7 +213,7 @@ pub(crate) fn open(
 /// Explains an undefined symbol that one of the component's own sources defines.
 fn explain(error: OpenError, reading: &Reading) -> LoadError {
     let OpenError::UndefinedSymbol { path, symbol } = &error else { return error.into() };
-    match undefined::defined_in(symbol, path, reading.path()) {
+    match defined_in(symbol, path, reading.path()) {
         None => error.into(),
         Some(file) => LoadError::LeftOut { path: path.clone(), symbol: symbol.clone(), file },
     }
@@ -260,6 +257,19 @@ pub(crate) fn check_names(
             }
             Some(_) => {}
         }
+    }
+    for rule in &request.remap {
+        let Renamed::Name(typed) = &rule.what else { continue };
+        let shown = typed.split('/').next().unwrap_or_default();
+        let port = model.ports.iter().find(|port| port.name == shown);
+        if port.is_some_and(|port| port.direction == PortDirection::In) {
+            let (name, to) = (instance.to_owned(), rule.to.clone());
+            return Err(LoadError::RemapsInPort { name, port: typed.clone(), to });
+        }
+        let known = model.ports.iter().filter(|port| port.direction == PortDirection::Out);
+        let known = known.map(|port| port.name.as_str());
+        let services = model.services.iter().map(|one| one.name.as_str());
+        check("out port or service", shown, known.chain(services).collect())?;
     }
     for task in request.tasks.keys() {
         check("task", task, model.tasks.iter().map(|task| task.name.as_str()).collect())?;

@@ -7,9 +7,9 @@ use genom_description::model::{Component as Model, ServiceKind};
 use genom_nearest::suggest;
 use genom_rules::{NoSuchRule, rules};
 
-use super::locate::locate;
-use crate::known::Reading;
 use crate::settings::Settings;
+use genom_finder::Reading;
+use genom_finder::locate;
 
 /// Why a reaction could not be done.
 #[derive(Debug, thiserror::Error)]

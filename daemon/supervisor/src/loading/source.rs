@@ -7,11 +7,11 @@ use genom_configuration::LoadRequest;
 use genom_host::{Component, Contents, Digest};
 
 use super::error::LoadError;
-use super::locate::{Located, locate};
 use super::warnings::tell_warnings;
 use crate::components::Build;
-use crate::known::{Description, Reading, Texts};
 use crate::supervisor::Supervisor;
+use genom_finder::{Description, Reading, Texts};
+use genom_finder::{Located, locate};
 
 /// Library and description, found and read.
 pub(crate) struct Source {

@@ -1,7 +1,7 @@
 //! What is wrong with a description without being a mistake.
 
-use super::locate::Located;
-use crate::known::Reading;
+use genom_finder::Located;
+use genom_finder::Reading;
 
 /// Tells the warnings of a description.
 pub(super) fn tell_warnings(located: &Located, reading: &Reading) {

@@ -23,12 +23,12 @@ use genom_host::Contents;
 use genom_protocol::{ComponentReload, ReloadRequest};
 
 use crate::components::{Build, Hosted, is_vacated};
-use crate::loading::locate::LocateError;
-use crate::loading::{LoadError, Source, built, locate, open};
+use crate::loading::{LoadError, Source, built, open};
 use crate::supervisor::Supervisor;
 use back::{Before, Way};
 use found::Found;
 use genom_bus::Change;
+use genom_finder::{LocateError, locate};
 use trial::{REST, Trial};
 
 pub use error::ReloadError;
@@ -122,12 +122,12 @@ impl Supervisor {
         if asked.gen_file.is_some() {
             request.gen_file.clone_from(&asked.gen_file);
         }
-        let locate = |request: &_| locate::locate(request, &self.settings.path);
-        let located = match (locate(&request), description.file()) {
+        let found = |request: &_| locate(request, &self.settings.path);
+        let located = match (found(&request), description.file()) {
             // A library without a description of its own: it is to fit the present one.
             (Err(LocateError::NoDescription { .. }), Some(description)) => {
                 request.gen_file = Some(description);
-                locate(&request)
+                found(&request)
             }
             (located, _) => located,
         };

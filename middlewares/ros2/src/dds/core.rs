@@ -62,7 +62,6 @@ impl Core {
             nodes: writer(info::NODES)?,
             graph: Arc::clone(&graph),
             feeds: Arc::clone(&feeds),
-            namespace: options.namespace.clone(),
             participant: dds.participant.guid().to_bytes(),
             process: Process::this(),
         };

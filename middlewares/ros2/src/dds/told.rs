@@ -21,14 +21,13 @@ pub(crate) struct Told {
     pub(crate) nodes: Writer,
     pub(crate) graph: Arc<Graph>,
     pub(crate) feeds: Arc<Feeds>,
-    pub(crate) namespace: String,
     pub(crate) participant: info::Gid,
     pub(crate) process: Process,
 }
 
 impl Announce for Told {
     fn tell(&self) -> bool {
-        let (ends, nodes) = self.graph.ours(&self.namespace);
+        let (ends, nodes) = self.graph.ours();
         let ends = typed::encode(&Ends { process: self.process.clone(), ends });
         let nodes = typed::encode(&Graph::nodes(self.participant, nodes));
         [(&self.ends, ends), (&self.nodes, nodes)].into_iter().all(|(writer, payload)| {

@@ -21,12 +21,12 @@ pub(super) struct Events {
 }
 
 impl Events {
-    /// `token` is the name of the node without its namespace, `path` with it.
-    pub(super) fn open(ros: &Ros, token: &str, path: &str) -> Result<Arc<Self>, EndError> {
+    /// `node` is the name of the node with its namespace.
+    pub(super) fn open(ros: &Ros, node: &str) -> Result<Arc<Self>, EndError> {
         let ty = TypeName::new("rcl_interfaces", "msg", "ParameterEvent");
         let of = ros.of_ros("parameter_events".to_owned(), ty);
-        let writer = ros.rmw.writer(token, &of, false)?;
-        Ok(Arc::new(Self { node: format!("/{path}"), writer }))
+        let writer = ros.rmw.writer(node, &of, false)?;
+        Ok(Arc::new(Self { node: format!("/{node}"), writer }))
     }
 
     pub(super) fn entities(&self) -> Entities {

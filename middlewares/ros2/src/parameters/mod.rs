@@ -56,8 +56,7 @@ impl Parameters {
         if !ros.options.parameters {
             return None;
         }
-        let path = ros.path(&Address::new(at.instance.clone(), "x"));
-        let instance = path.strip_suffix("/x").unwrap_or(&path).to_owned();
+        let instance = ros.names.node(&at.instance);
         let clash = SERVICES.iter().any(|service| at.name == service.name);
         let way = Way::of(ty).filter(|_| ty.kind == ServiceKind::Attribute);
         let mut all = lock(&self.0);
@@ -111,7 +110,7 @@ impl Instance {
             return self.node.take();
         }
         if self.node.is_none() {
-            match Node::open(ros, instance, at, Arc::clone(&self.attributes)) {
+            match Node::open(ros, instance, Arc::clone(&self.attributes)) {
                 Ok(node) => self.node = Some(node),
                 Err(why) => tracing::warn!("{at}: no parameters: {why}"),
             }

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, OnceLock};
 
-use genom_middleware::{Address, Outcome};
+use genom_middleware::Outcome;
 use genom_types::Record;
 use ros2_client::parameters::raw::{self, IntegerRange, ParameterDescriptor, SetParametersResult};
 use ros2_client::parameters::{Parameter, ParameterType, ParameterValue as Value};
@@ -20,7 +20,7 @@ use super::events::Events;
 use super::gather::Gather;
 use super::table::{Attribute, Known, parameters};
 use crate::lock::lock;
-use crate::names::{self, TypeName};
+use crate::names::TypeName;
 use crate::rmw::{self, EndError, ServerEnd};
 use crate::ros::Ros;
 use crate::typed;
@@ -58,21 +58,20 @@ pub(crate) struct Node {
 type Reply = Box<dyn rmw::Reply>;
 
 impl Node {
+    /// `node_name` has the namespace in front.
     pub(crate) fn open(
         ros: &Ros,
-        path: &str,
-        at: &Address,
+        node_name: &str,
         attributes: Attributes,
     ) -> Result<Arc<Self>, EndError> {
-        let name = names::token(&at.instance);
-        let events = Events::open(ros, &name, path)?;
+        let events = Events::open(ros, node_name)?;
         let mut entities = events.entities();
         let (ends, belonging) = (OnceLock::new(), OnceLock::new());
         let node = Arc::new(Self { events, ends, belonging, attributes });
         let mut made = Vec::with_capacity(SERVICES.len());
         for service in &SERVICES {
             let ty = TypeName::new("rcl_interfaces", "srv", service.ty);
-            let of = ros.of_ros(format!("{path}/{}", service.name), ty);
+            let of = ros.of_ros(format!("{node_name}/{}", service.name), ty);
             let weak = Arc::downgrade(&node);
             let on_request = move |reply, message: &[u8]| {
                 let Some(node) = weak.upgrade() else { return };
@@ -80,7 +79,7 @@ impl Node {
                     tracing::warn!("a request of {} cannot be read; it is left out", service.ty);
                 }
             };
-            made.push(ros.rmw.server(&name, &of, Box::new(on_request))?);
+            made.push(ros.rmw.server(node_name, &of, Box::new(on_request))?);
         }
         for one in made.iter().map(|end| end.entities()) {
             entities.writers.extend(one.writers);
@@ -88,7 +87,7 @@ impl Node {
         }
         // Cannot fail: nobody else has the node yet.
         let _ = node.ends.set(made);
-        let _ = node.belonging.set(ros.rmw.belong(&name, entities));
+        let _ = node.belonging.set(ros.rmw.belong(node_name, entities));
         Ok(node)
     }
 

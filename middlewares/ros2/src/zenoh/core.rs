@@ -21,6 +21,7 @@ use super::told::{self, Told};
 use crate::domain::Domain;
 use crate::error::ParticipantError;
 use crate::lock::lock;
+use crate::names;
 use crate::options::{Options, Qos};
 use crate::rmw::{EndError, Gid, Named};
 
@@ -28,7 +29,6 @@ use crate::rmw::{EndError, Gid, Named};
 pub(crate) struct Core {
     session: Session,
     pub(crate) domain: u16,
-    namespace: String,
     pub(crate) qos: Qos,
     pub(crate) graph: Arc<Graph>,
     pub(crate) readers: Arc<Readers>,
@@ -88,7 +88,6 @@ impl Core {
         )?;
         let core = Arc::new(Self {
             domain: domain.number,
-            namespace: format!("/{}", options.namespace.trim_matches('/')),
             qos: options.qos,
             graph: Arc::new(Graph::new(options.participants)),
             readers: Arc::default(),
@@ -192,18 +191,19 @@ impl Core {
         self.next.fetch_add(1, Ordering::Relaxed)
     }
 
-    /// The node of that name; shows it unless it is shown already.
+    /// The node of that name, with its namespace in front; shows it unless it is shown already.
     fn node(&self, name: &str) -> zenoh::Result<Arc<NodeShown>> {
         let mut nodes = lock(&self.nodes);
         if let Some(there) = nodes.get(name).and_then(Weak::upgrade) {
             return Ok(there);
         }
         nodes.retain(|_, node| node.strong_count() > 0);
+        let (namespace, own) = names::split(name);
         let node = Node {
             session: self.zid.clone(),
             number: self.number(),
-            namespace: self.namespace.clone(),
-            name: name.to_owned(),
+            namespace: format!("/{namespace}"),
+            name: own.to_owned(),
         };
         let token = self.session.liveliness().declare_token(node.token(self.domain)).wait()?;
         let shown = Arc::new(NodeShown { node, _token: token });

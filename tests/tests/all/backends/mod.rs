@@ -1,8 +1,11 @@
 //! Daemons together with foreign programs on the same middleware.
 
 mod cold_starts;
+mod container;
 mod forged;
+mod hiroz;
 mod lifecycle;
+mod remapped;
 mod ros2_peers;
 mod simulated_time;
 mod stalled;

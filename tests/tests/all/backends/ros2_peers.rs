@@ -166,3 +166,19 @@ fn a_ros_node_finds_the_images_of_the_camera_as_images_of_ros() {
         peer.ask(&json!(["topics"]))[&name] == json!(["sensor_msgs/msg/Image"])
     });
 }
+
+#[test]
+fn the_doctor_names_a_node_that_nobody_finds() {
+    let home = Home::new();
+    let mut node = ros2::node(home.memory().domain(), None).unwrap();
+    let mut peer = Peer::start(node.env("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF"));
+    peer.ask(&json!(["nodes"]));
+    let demo = component("demo");
+    let daemon = home.start(&["--backend", "ros2", path(&demo.library)]);
+    let told = daemon.ctl(&["doctor"]).out;
+    assert!(told.contains("has ROS_AUTOMATIC_DISCOVERY_RANGE=OFF: nobody finds it"), "{told}");
+    assert!(
+        told.contains(&format!("domain {} over dds", daemon.home().memory().domain())),
+        "{told}"
+    );
+}

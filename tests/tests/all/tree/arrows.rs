@@ -56,10 +56,11 @@ pub(super) const ARROWS: &[(&str, &[&str])] = &[
         "genom-foxglove",
         &["genom-configuration", "genom-doors", "genom-protocol", "genom-recording"],
     ),
+    ("genom-finder", &["genom-description", "genom-host", "genom-protocol", "genom-runtime"]),
     ("genom-supervisor", SUPERVISOR),
     ("genom-views", VIEWS),
     ("genom-cells", CELLS),
-    ("genom-lifecycle", LIFECYCLE),
+    ("genom-launch", LAUNCH),
     ("genom-limits", &["genom-configuration"]),
     ("genom-systemd", &["genom-host"]),
     ("genom-telemetry", TELEMETRY),
@@ -109,8 +110,16 @@ const VIEWS: &[&str] = &[
 ];
 const ARCHIVE: &[&str] =
     &["genom-cells", "genom-doors", "genom-protocol", "genom-recording", "genom-supervisor"];
-const LIFECYCLE: &[&str] =
-    &["genom-doors", "genom-middleware", "genom-protocol", "genom-registry", "genom-types"];
+const LAUNCH: &[&str] = &[
+    "genom-description",
+    "genom-doors",
+    "genom-finder",
+    "genom-middleware",
+    "genom-nearest",
+    "genom-protocol",
+    "genom-registry",
+    "genom-types",
+];
 const EMBEDDING: &[&str] = &[
     "genom-cells",
     "genom-description",
@@ -203,6 +212,7 @@ const SUPERVISOR: &[&str] = &[
     "genom-bus",
     "genom-configuration",
     "genom-description",
+    "genom-finder",
     "genom-host",
     "genom-middleware",
     "genom-nearest",

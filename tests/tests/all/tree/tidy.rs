@@ -15,12 +15,12 @@ const FLOORS: &[(&str, &str)] = &[
     ("registry", "known backends masquerade lib"),
     (
         "configuration",
-        "error limits runners cells states crashes reload gateways pattern blackbox recordings levels place terms offers rpc web foxglove lifecycle spot overrides file lib",
+        "error limits runners cells states crashes reload gateways pattern blackbox recordings levels place terms offers rpc web foxglove lifecycle container spot overrides file lib",
     ),
     ("ports", "dates gauge key tape fan feeds tap lib"),
     (
         "supervisor",
-        "outcome known limits settings waiting reactor spans recording ties components connections \
+        "outcome limits settings waiting reactor spans recording ties components connections \
          vigil supervisor loading deploy reloading lib",
     ),
     (

@@ -8,6 +8,7 @@ use genom_rosidl::TypeName;
 use super::ends::{Found, Made, kind_of};
 use super::known::Graph;
 use crate::dds::info::{self, End, Gid, Node, Nodes};
+use crate::names;
 
 impl Graph {
     pub(crate) fn list(&self) -> Vec<Endpoint> {
@@ -44,18 +45,21 @@ impl Graph {
     }
 
     /// What we announce: our ends, and our nodes with all their writers and readers.
-    pub(crate) fn ours(&self, namespace: &str) -> (Vec<End>, Vec<Node>) {
+    pub(crate) fn ours(&self) -> (Vec<End>, Vec<Node>) {
         let state = self.lock();
         let mut ends = Vec::new();
         let mut nodes: Vec<Node> = Vec::new();
-        let mut put = |name: &str, writers: &[Gid], readers: &[Gid]| {
-            if let Some(node) = nodes.iter_mut().find(|node| node.name == name) {
+        let mut put = |node: &str, writers: &[Gid], readers: &[Gid]| {
+            let (before, name) = names::split(node);
+            let namespace = format!("/{before}");
+            let is = |node: &&mut Node| node.name == name && node.namespace == namespace;
+            if let Some(node) = nodes.iter_mut().find(is) {
                 node.readers.extend(readers);
                 node.writers.extend(writers);
                 return;
             }
             nodes.push(Node {
-                namespace: format!("/{}", namespace.trim_matches('/')),
+                namespace,
                 name: name.to_owned(),
                 readers: readers.to_vec(),
                 writers: writers.to_vec(),
