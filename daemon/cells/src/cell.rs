@@ -5,6 +5,7 @@ mod failing;
 mod hearing;
 mod supervised;
 
+use std::os::fd::OwnedFd;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -22,7 +23,7 @@ use crate::end::End;
 use crate::journal::{self, Journal};
 use crate::place::Place;
 use crate::policy::{Limit, Restarts};
-use crate::process::Process;
+use crate::process::{Gets, Process};
 use crate::program::refusal;
 use crate::setup::{Setup, Told};
 
@@ -63,6 +64,8 @@ struct State {
     asked: bool,
     /// What was taken of its process when it crashed.
     dump: Dump,
+    /// Where its process is stepped.
+    steps: Option<Arc<OwnedFd>>,
     /// What its last process held: more than the next one, if something is not to come back.
     held: Deployment,
     /// What is being done of other components since its process failed.
@@ -199,8 +202,24 @@ impl Cell {
         }
     }
 
-    /// Waits until it runs for the first time, or failed.
-    pub(crate) async fn begun(&self) -> Result<(), Down> {
+    /// How it is.
+    #[must_use]
+    pub fn state(&self) -> CellState {
+        *self.phase.borrow()
+    }
+
+    /// Where its process is stepped by a daemon that is part of a program: another socket for each
+    /// process. None of a process that a daemon before this one started.
+    #[must_use]
+    pub fn steps(&self) -> Option<Arc<OwnedFd>> {
+        self.with(|state| state.steps.clone())
+    }
+
+    /// Waits until it runs, also after it ended, or failed.
+    ///
+    /// # Errors
+    /// It does not run, and will not without being asked.
+    pub async fn begun(&self) -> Result<(), Down> {
         let mut phase = self.phase.subscribe();
         let settled =
             |phase: &CellState| !matches!(phase, CellState::Starting | CellState::Waiting);
@@ -218,7 +237,7 @@ impl Cell {
     }
 
     /// A connection broke: its process ended, which may be noticed a moment later.
-    pub(crate) async fn lost(&self) -> Down {
+    pub async fn lost(&self) -> Down {
         let mut phase = self.phase.subscribe();
         let _ = timeout(NOTICE, phase.wait_for(|phase| *phase != CellState::Running)).await;
         self.down()
@@ -282,7 +301,7 @@ impl Cell {
             self.react_to(&end);
             let asked = self.report(&end);
             self.with(|state| {
-                state.pid = None;
+                (state.pid, state.steps) = (None, None);
                 state.last_end = Some(self.setup.explain(&self.name, &end));
             });
             order.mark_unchanged();
@@ -381,7 +400,8 @@ impl Cell {
                 let memory = self.setup.boxes.begin(&self.name);
                 let command = self.setup.command(&self.place);
                 let dumps = self.setup.config.crashes.minidump;
-                Process::start(command, &self.name, &self.place, memory.as_deref(), dumps)
+                let gets = Gets { dumps, steps: self.setup.embedded && !self.is_gateway() };
+                Process::start(command, &self.name, &self.place, memory.as_deref(), gets)
                     .map_err(|error| error.to_string())
             }
             Err(error) => Err(error.to_string()),
@@ -394,7 +414,10 @@ impl Cell {
 
     /// Until the process ends.
     async fn run(&self, process: &Process, adopted: bool) -> End {
-        self.with(|state| (state.pid, state.dump) = (Some(process.pid()), process.dump()));
+        self.with(|state| {
+            (state.pid, state.dump) = (Some(process.pid()), process.dump());
+            state.steps = process.steps();
+        });
         let limit = self.setup.settings.ready_timeout;
         tokio::select! {
             end = self.end_of(process) => return match refusal(&self.place, &end).await {

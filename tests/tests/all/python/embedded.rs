@@ -35,6 +35,11 @@ fn a_program_steps_its_daemon_with_the_standard_library_alone() {
 }
 
 #[test]
+fn a_program_shares_ports_of_components_in_cells() {
+    the_client_passes("tests.test_embedded_cells", &plain(), &["-S"]);
+}
+
+#[test]
 fn five_hundred_ports_of_an_embedded_daemon_take_a_file_each_and_give_it_back() {
     the_client_passes("tests.test_embedded_files", &plain(), &["-S"]);
 }
