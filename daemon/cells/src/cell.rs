@@ -3,6 +3,7 @@
 mod again;
 mod failing;
 mod hearing;
+mod reached;
 mod supervised;
 
 use std::os::fd::OwnedFd;
@@ -26,9 +27,6 @@ use crate::policy::{Limit, Restarts};
 use crate::process::{Gets, Process};
 use crate::program::refusal;
 use crate::setup::{Setup, Told};
-
-/// How long a request waits for a cell whose process is starting.
-const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Between two tries to reach a process that is starting, or to see what became of one.
 const LOOK_AGAIN: Duration = Duration::from_millis(2);
@@ -186,61 +184,6 @@ impl Cell {
 
     pub(crate) async fn changing(&self) -> tokio::sync::MutexGuard<'_, ()> {
         self.changing.lock().await
-    }
-
-    /// Waits until its process answers; not for one that ended and is to be started later.
-    ///
-    /// # Errors
-    /// It is down.
-    pub async fn answers(&self) -> Result<(), Down> {
-        let mut phase = self.phase.subscribe();
-        let over = phase.wait_for(|phase| *phase != CellState::Starting);
-        let _ = timeout(PATIENCE, over).await;
-        match *self.phase.borrow() {
-            CellState::Running => Ok(()),
-            _ => Err(self.down()),
-        }
-    }
-
-    /// How it is.
-    #[must_use]
-    pub fn state(&self) -> CellState {
-        *self.phase.borrow()
-    }
-
-    /// Where its process is stepped by a daemon that is part of a program: another socket for each
-    /// process. None of a process that a daemon before this one started.
-    #[must_use]
-    pub fn steps(&self) -> Option<Arc<OwnedFd>> {
-        self.with(|state| state.steps.clone())
-    }
-
-    /// Waits until it runs, also after it ended, or failed.
-    ///
-    /// # Errors
-    /// It does not run, and will not without being asked.
-    pub async fn begun(&self) -> Result<(), Down> {
-        let mut phase = self.phase.subscribe();
-        let settled =
-            |phase: &CellState| !matches!(phase, CellState::Starting | CellState::Waiting);
-        let _ = phase.wait_for(settled).await;
-        match *self.phase.borrow() {
-            CellState::Running => Ok(()),
-            _ => Err(self.down()),
-        }
-    }
-
-    fn down(&self) -> Down {
-        let state = *self.phase.borrow();
-        let last_end = self.with(|one| one.last_end.clone());
-        Down { cell: self.name.clone(), state, last_end }
-    }
-
-    /// A connection broke: its process ended, which may be noticed a moment later.
-    pub async fn lost(&self) -> Down {
-        let mut phase = self.phase.subscribe();
-        let _ = timeout(NOTICE, phase.wait_for(|phase| *phase != CellState::Running)).await;
-        self.down()
     }
 
     /// Starts its process again, when it has none.
