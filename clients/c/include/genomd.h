@@ -60,7 +60,7 @@ int genomd_step(struct genomd *daemon, uint64_t nanoseconds, uint64_t *now);
 /*
  * Shares an in port, "component/port", which this program writes, or an out port. `size` is that of
  * its type, as the compiler knows it: another one is refused. The type has to be of one size, without
- * unbounded strings or sequences, and the component in the process of the daemon, not in a cell.
+ * unbounded strings or sequences. The component may be in a cell, and begin again in another process.
  */
 struct genomd_port *genomd_in(struct genomd *daemon, const char *address, size_t size);
 struct genomd_port *genomd_out(struct genomd *daemon, const char *address, size_t size);

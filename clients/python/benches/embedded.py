@@ -3,14 +3,15 @@
 ``DEMO`` is the library of the demo (``target/components/demo/demo.so``), ``$GENOMD`` genomd. In turns, so
 that a slow moment of the machine is part of all rows alike: a message to another process and back over
 the same kind of socket, a step of a daemon that has nothing to do, one with two ports that are written
-and read at each step while the demo stands still, and one of which the demo has a period at each step.
+and read at each step while the demo stands still, and one of which the demo has a period at each step;
+the same with the demo in a cell, and there without a value that was written.
 """
 
 import os
 import socket
 import sys
 import time
-from typing import Callable, List, Tuple
+from typing import Callable, List, Optional, Tuple
 
 import genom
 
@@ -43,23 +44,32 @@ def main() -> None:
     """Prints a table."""
     demo, steps = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 20_000
     exchange = bare()
-    with genom.Daemon() as idle, genom.Daemon() as busy:
-        loaded = busy.load(demo)
-        gain, position = busy.port(loaded.parameter), busy.port(loaded.position)
+    with genom.Daemon() as idle, genom.Daemon() as busy, genom.Daemon() as far:
 
-        def with_ports(seconds: float) -> Callable[[], None]:
-            def step() -> None:
-                gain.write(0.5)
-                busy.step(seconds)
-                position.data.position
+        def with_ports(d: genom.Daemon, cell: Optional[str]) -> Callable[[float], Callable[[], None]]:
+            loaded = d.load(demo, cell=cell)
+            gain, position = d.port(loaded.parameter), d.port(loaded.position)
 
-            return step
+            def by(seconds: float) -> Callable[[], None]:
+                def step() -> None:
+                    gain.write(0.5)
+                    d.step(seconds)
+                    position.data.position
+
+                return step
+
+            return by
+
+        here, there = with_ports(busy, None), with_ports(far, "arm")
 
         rows: List[Tuple[str, Callable[[], None], List[float]]] = [
             ("a message to another process and back", exchange, []),
             ("a step without components", lambda: idle.step(1e-6), []),
-            ("a step with two ports, nothing due", with_ports(0.0), []),
-            ("a step with two ports and a period of the demo", with_ports(0.005), []),
+            ("a step with two ports, nothing due", here(0.0), []),
+            ("a step with two ports and a period of the demo", here(0.005), []),
+            ("a step of a cell, nothing written or due", lambda: far.step(0.0), []),
+            ("a step with two ports in a cell, nothing due", there(0.0), []),
+            ("a step with two ports in a cell and a period of the demo", there(0.005), []),
         ]
         for _ in range(steps // BURST):
             for _, run, spans in rows:

@@ -3,7 +3,6 @@
 import contextlib
 import ctypes
 import faulthandler
-import math
 import os
 import select
 import signal
@@ -132,60 +131,6 @@ class Steps(Case):
             self.assertEqual(moved[0::2], [0.0] * 4, "their time stood still")
             self.assertEqual(moved[1::2], sorted(moved[1::2]))
             self.assertEqual(len(set(moved[1::2])), 4)
-
-    def test_components_in_cells_are_stepped_too_and_their_ports_are_passed_on(self):
-        with tempfile.TemporaryDirectory() as place, genom.Daemon() as d:
-            with open(os.path.join(place, "arm.gen"), "w", encoding="utf-8") as file:
-                file.write(
-                    'component arm { lang "python"; typedef long ticks_t; enum way { FAR, NEAR };'
-                    " struct told { double from; double x[2]; sequence<long, 3> path; way which; optional<double> maybe; };"
-                    " ids { long n; }; port out ticks_t ticks; port in told asked; port out told echo; task main {"
-                    " period 10 ms; codel<start> arm_tick(inout n, out ticks, in asked, out echo) yield pause::start;"
-                    " codel<stop> arm_end() yield ether; }; };"
-                )
-            with open(os.path.join(place, "arm.py"), "w", encoding="utf-8") as file:
-                file.write(
-                    "def arm_tick(n, ticks, asked, echo):\n    n.value += 1\n    ticks.write(n.value)\n"
-                    "    if asked.latest() is not None:\n        echo.write(asked.data)\n"
-                    '    return "pause::start"\n\ndef arm_end():\n    return "ether"\n'
-                )
-            arm = d.load(os.path.join(place, "arm.gen"))
-            before = arm.ticks.read() or 0
-            for _ in range(10):
-                d.step(0.01)
-            self.assertEqual(arm.ticks.read(), before + 10)
-            ticks, asked, echo = d.port("arm/ticks"), d.port("arm/asked"), d.port("arm/echo")
-            self.assertEqual((ticks.data, ticks.count, echo.read()), (before + 10, before + 10, None))
-            asked.data.from_, asked.data.x = math.inf, [1.5, math.nan]
-            asked.data.path.append(7)
-            asked.data.which = "NEAR"
-            asked.write()
-            d.step(0.01)
-            self.assertEqual(ticks.data, before + 11)
-            told = echo.data
-            self.assertEqual((told.from_, told.x[0], list(told.path), told.maybe), (math.inf, 1.5, [7], None))
-            self.assertTrue(math.isnan(told.x[1]) and told.which.name == "NEAR")
-            asked.data.maybe = 2.5
-            d.step(0.01)
-            self.assertIsNone(told.maybe, "it was not written")
-            asked.write()
-            d.step(0.01)
-            self.assertEqual((told.maybe, echo.count), (2.5, 3))
-            with self.refused(genom.RefusalError, "no_such_port", "tick"):
-                d.port("arm/tick")
-            # The port is there again when its component is.
-            d.kill("arm")
-            d.step(0.01)
-            self.assertGreaterEqual(ticks.data, 1)
-            asked.close()
-            d.unload(arm)
-            d.step(0.01)
-            with self.refused(genom.GenoMError, "ended", "arm/ticks is not there"):
-                ticks.data
-            used = [name for name in os.listdir("/dev/shm") if name.startswith(d._name)]
-            self.assertTrue(used, "ports of cells are in shared memory")
-        left = [name for name in os.listdir("/dev/shm") if name.startswith(d._name)]
-        self.assertEqual(left, [])
 
 
 class Ports(Case):

@@ -17,8 +17,8 @@ impl Out {
     /// Shares the memory of an out port, `component/port`: each step shows there what codels wrote
     /// last.
     ///
-    /// Its type has to be of one size, without unbounded strings or sequences, and its component in the
-    /// process of the daemon, not in a cell.
+    /// Its type has to be of one size, without unbounded strings or sequences. Its component may be in
+    /// a cell, and begin again in another process: the memory stays.
     ///
     /// # Errors
     /// There is none that can be shared, or it is an in port.

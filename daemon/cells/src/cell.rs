@@ -3,8 +3,10 @@
 mod again;
 mod failing;
 mod hearing;
+mod reached;
 mod supervised;
 
+use std::os::fd::OwnedFd;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -22,12 +24,9 @@ use crate::end::End;
 use crate::journal::{self, Journal};
 use crate::place::Place;
 use crate::policy::{Limit, Restarts};
-use crate::process::Process;
+use crate::process::{Gets, Process};
 use crate::program::refusal;
 use crate::setup::{Setup, Told};
-
-/// How long a request waits for a cell whose process is starting.
-const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Between two tries to reach a process that is starting, or to see what became of one.
 const LOOK_AGAIN: Duration = Duration::from_millis(2);
@@ -63,6 +62,8 @@ struct State {
     asked: bool,
     /// What was taken of its process when it crashed.
     dump: Dump,
+    /// Where its process is stepped.
+    steps: Option<Arc<OwnedFd>>,
     /// What its last process held: more than the next one, if something is not to come back.
     held: Deployment,
     /// What is being done of other components since its process failed.
@@ -185,45 +186,6 @@ impl Cell {
         self.changing.lock().await
     }
 
-    /// Waits until its process answers; not for one that ended and is to be started later.
-    ///
-    /// # Errors
-    /// It is down.
-    pub async fn answers(&self) -> Result<(), Down> {
-        let mut phase = self.phase.subscribe();
-        let over = phase.wait_for(|phase| *phase != CellState::Starting);
-        let _ = timeout(PATIENCE, over).await;
-        match *self.phase.borrow() {
-            CellState::Running => Ok(()),
-            _ => Err(self.down()),
-        }
-    }
-
-    /// Waits until it runs for the first time, or failed.
-    pub(crate) async fn begun(&self) -> Result<(), Down> {
-        let mut phase = self.phase.subscribe();
-        let settled =
-            |phase: &CellState| !matches!(phase, CellState::Starting | CellState::Waiting);
-        let _ = phase.wait_for(settled).await;
-        match *self.phase.borrow() {
-            CellState::Running => Ok(()),
-            _ => Err(self.down()),
-        }
-    }
-
-    fn down(&self) -> Down {
-        let state = *self.phase.borrow();
-        let last_end = self.with(|one| one.last_end.clone());
-        Down { cell: self.name.clone(), state, last_end }
-    }
-
-    /// A connection broke: its process ended, which may be noticed a moment later.
-    pub(crate) async fn lost(&self) -> Down {
-        let mut phase = self.phase.subscribe();
-        let _ = timeout(NOTICE, phase.wait_for(|phase| *phase != CellState::Running)).await;
-        self.down()
-    }
-
     /// Starts its process again, when it has none.
     pub(crate) fn start_again(&self) {
         self.phase.send_if_modified(|phase| {
@@ -282,7 +244,7 @@ impl Cell {
             self.react_to(&end);
             let asked = self.report(&end);
             self.with(|state| {
-                state.pid = None;
+                (state.pid, state.steps) = (None, None);
                 state.last_end = Some(self.setup.explain(&self.name, &end));
             });
             order.mark_unchanged();
@@ -381,7 +343,8 @@ impl Cell {
                 let memory = self.setup.boxes.begin(&self.name);
                 let command = self.setup.command(&self.place);
                 let dumps = self.setup.config.crashes.minidump;
-                Process::start(command, &self.name, &self.place, memory.as_deref(), dumps)
+                let gets = Gets { dumps, steps: self.setup.embedded && !self.is_gateway() };
+                Process::start(command, &self.name, &self.place, memory.as_deref(), gets)
                     .map_err(|error| error.to_string())
             }
             Err(error) => Err(error.to_string()),
@@ -394,7 +357,10 @@ impl Cell {
 
     /// Until the process ends.
     async fn run(&self, process: &Process, adopted: bool) -> End {
-        self.with(|state| (state.pid, state.dump) = (Some(process.pid()), process.dump()));
+        self.with(|state| {
+            (state.pid, state.dump) = (Some(process.pid()), process.dump());
+            state.steps = process.steps();
+        });
         let limit = self.setup.settings.ready_timeout;
         tokio::select! {
             end = self.end_of(process) => return match refusal(&self.place, &end).await {

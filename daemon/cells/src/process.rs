@@ -18,12 +18,13 @@ use genom_blackbox::Memory;
 use genom_kit::prompt::be_prompt;
 use rustix::event::{PollFd, PollFlags, poll};
 use rustix::io::Errno;
+use rustix::net::{AddressFamily, SocketFlags, SocketType, socketpair};
 use rustix::process::{
     Pid, PidfdFlags, Signal, WaitId, WaitIdOptions, pidfd_open, pidfd_send_signal, waitid,
 };
 use tokio::sync::watch;
 
-use crate::blackbox::lend;
+use crate::blackbox::{Lent, lend};
 use crate::crashes::Dump;
 use crate::dying;
 use crate::end::End;
@@ -37,6 +38,15 @@ const STACK: usize = 64 * 1024;
 /// Most bytes of the number of a process.
 const LONGEST: u64 = 32;
 
+/// What a process gets beside its files.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Gets {
+    /// A socket where dumps are taken of it.
+    pub(crate) dumps: bool,
+    /// A socket over which it is stepped.
+    pub(crate) steps: bool,
+}
+
 /// The process of a cell, this daemon's child or that of a daemon before it.
 #[derive(Debug)]
 pub(crate) struct Process {
@@ -47,6 +57,8 @@ pub(crate) struct Process {
     /// The same, once nothing of it is left.
     over: watch::Receiver<Option<End>>,
     dump: Dump,
+    /// Where a daemon that is part of a program steps it.
+    steps: Option<Arc<OwnedFd>>,
     /// The other end of its standard input, which the child sees closed when this daemon ends.
     _lease: Option<UnixStream>,
 }
@@ -61,11 +73,19 @@ impl Process {
         name: &str,
         place: &Place,
         memory: Option<&Memory>,
-        dumps: bool,
+        gets: Gets,
     ) -> io::Result<Self> {
-        let dumper = dumps.then(UnixStream::pair).transpose()?;
-        let their_dumper = dumper.as_ref().map(|(_, theirs)| theirs.as_fd());
-        let (lease, theirs) = lend(memory, their_dumper)?;
+        let dumper = gets.dumps.then(UnixStream::pair).transpose()?;
+        let pair =
+            || socketpair(AddressFamily::UNIX, SocketType::SEQPACKET, SocketFlags::CLOEXEC, None);
+        let steps = gets.steps.then(pair).transpose()?;
+        let lent = Lent {
+            memory,
+            dumper: dumper.as_ref().map(|(_, theirs)| theirs.as_fd()),
+            steps: steps.as_ref().map(|(_, theirs)| theirs.as_fd()),
+        };
+        let (lease, theirs) = lend(&lent)?;
+        let steps = steps.map(|(ours, _)| Arc::new(ours));
         command
             .arg("--run-cell")
             .arg(name)
@@ -91,12 +111,17 @@ impl Process {
         }
         // For a daemon that comes after this one, when the cell does not answer it.
         theirs::write(&place.pid(), pid.as_raw_nonzero().to_string().as_bytes())?;
-        Ok(Self { dump, ..Self::of(pid, Some(lease), Some(place))? })
+        Ok(Self { dump, steps, ..Self::of(pid, Some(lease), Some(place))? })
     }
 
     /// Of a process that crashes, what was taken of it.
     pub(crate) fn dump(&self) -> Dump {
         self.dump.clone()
+    }
+
+    /// Where it is stepped.
+    pub(crate) fn steps(&self) -> Option<Arc<OwnedFd>> {
+        self.steps.clone()
     }
 
     /// A process that another daemon started, or this one before. With a place, what its codels
@@ -134,7 +159,7 @@ impl Process {
             let _ = status(&watched, WaitIdOptions::empty());
             ends.send_replace(Some(end));
         })?;
-        Ok(Self { pid, handle, seen, over, dump: Dump::default(), _lease: lease })
+        Ok(Self { pid, handle, seen, over, dump: Dump::default(), steps: None, _lease: lease })
     }
 
     pub(crate) fn pid(&self) -> u32 {

@@ -39,6 +39,8 @@ pub struct Setup {
     pub boxes: Arc<BlackBoxes>,
     /// How long a component may take to stop.
     pub stop_timeout: Duration,
+    /// Whether the daemon is part of a program, which steps it and its cells.
+    pub embedded: bool,
     /// Hears what cells tell, and what becomes of them.
     pub hears: Box<dyn Fn(Told) + Send + Sync>,
 }
@@ -220,6 +222,7 @@ mod tests {
             config: Config::parse(Path::new("robot.toml"), config).unwrap(),
             settings: CellSettings::default(),
             stop_timeout: Duration::from_secs(1),
+            embedded: false,
             hears: Box::new(drop),
         };
         let told = |name, signal: Signal| setup.explain(name, &End::Signal(signal.as_raw()));

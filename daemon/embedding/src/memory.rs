@@ -8,10 +8,12 @@
 
 use std::fs::File;
 use std::io;
-use std::os::fd::{AsFd, BorrowedFd};
+use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::os::unix::fs::FileExt as _;
 
-use rustix::fs::{MemfdFlags, SealFlags, fcntl_add_seals, ftruncate, memfd_create};
+use rustix::fs::{
+    MemfdFlags, SealFlags, fcntl_add_seals, fcntl_get_seals, ftruncate, memfd_create,
+};
 use rustix::io::Errno;
 
 /// Where the value is. A multiple of every alignment.
@@ -38,8 +40,20 @@ impl Memory {
             made => made?,
         };
         ftruncate(&file, VALUE_AT + size as u64)?;
-        fcntl_add_seals(&file, SealFlags::SHRINK | SealFlags::GROW | SealFlags::SEAL)?;
+        fcntl_add_seals(&file, sealed())?;
         Ok(Self { file: File::from(file) })
+    }
+
+    /// Memory that another process made for a value of so many bytes. It may be mapped only if nobody
+    /// can change its size, which would end whoever looks there then.
+    pub(crate) fn of(file: OwnedFd, size: usize) -> io::Result<Self> {
+        let file = File::from(file);
+        let is = file.metadata()?.len();
+        if is != VALUE_AT + size as u64 || !fcntl_get_seals(&file)?.contains(sealed()) {
+            let message = format!("it is no memory for {size} bytes of a size that stays");
+            return Err(io::Error::new(io::ErrorKind::InvalidData, message));
+        }
+        Ok(Self { file })
     }
 
     /// How often the value was written.
@@ -64,10 +78,22 @@ impl Memory {
         self.file.write_all_at(&count.to_ne_bytes(), 0)
     }
 
+    /// Whether it is said that the port is gone.
+    pub(crate) fn is_gone(&self) -> io::Result<bool> {
+        let mut gone = [0; 4];
+        self.file.read_exact_at(&mut gone, GONE_AT)?;
+        Ok(u32::from_ne_bytes(gone) != 0)
+    }
+
     /// Says whether the port is gone.
     pub(crate) fn set_gone(&self, gone: bool) -> io::Result<()> {
         self.file.write_all_at(&u32::from(gone).to_ne_bytes(), GONE_AT)
     }
+}
+
+/// Its size stays.
+fn sealed() -> SealFlags {
+    SealFlags::SHRINK | SealFlags::GROW | SealFlags::SEAL
 }
 
 impl AsFd for Memory {
@@ -90,5 +116,26 @@ mod tests {
         memory.read(&mut value).unwrap();
         assert_eq!((memory.written().unwrap(), &value), (3, b"abcd"));
         assert!(theirs.set_len(1).is_err() && theirs.set_len(4096).is_err());
+        assert!(!memory.is_gone().unwrap());
+        memory.set_gone(true).unwrap();
+        assert!(Memory::of(theirs.into(), 4).unwrap().is_gone().unwrap());
+    }
+
+    #[test]
+    fn a_file_whose_size_can_change_is_no_memory_of_a_port() {
+        let whole = VALUE_AT + 4;
+        let taken = |file: OwnedFd| Memory::of(file, 4).map_err(|error| error.kind());
+        for seals in [SealFlags::empty(), SealFlags::SHRINK, SealFlags::SHRINK | SealFlags::GROW] {
+            let file = memfd_create(NAME, MemfdFlags::ALLOW_SEALING).unwrap();
+            ftruncate(&file, whole).unwrap();
+            fcntl_add_seals(&file, seals).unwrap();
+            assert_eq!(taken(file).err(), Some(io::ErrorKind::InvalidData), "{seals:?}");
+        }
+        let of_another = Memory::new(5).unwrap();
+        assert!(taken(of_another.file.into()).is_err());
+        let on_disk = tempfile::tempfile().unwrap();
+        on_disk.set_len(whole).unwrap();
+        assert!(taken(on_disk.into()).is_err());
+        assert!(taken(std::io::pipe().unwrap().0.into()).is_err());
     }
 }

@@ -1,4 +1,4 @@
-//! A port that the program has opened.
+//! A port of a component in this process.
 
 use std::fmt;
 use std::io;
@@ -18,7 +18,7 @@ use genom_views::{find, key, not_published};
 use crate::memory::Memory;
 
 /// The largest value that is shared, in bytes.
-const LARGEST: usize = 256 << 20;
+pub(crate) const LARGEST: usize = 256 << 20;
 
 pub(crate) struct Port {
     address: Address,
@@ -27,12 +27,10 @@ pub(crate) struct Port {
     ty: DataType,
     is_in: bool,
     gone: bool,
-    /// Of an in port: the count in its memory that was taken in last. Of an out port: the number of
-    /// samples when its value was shown last.
-    count: u64,
+    /// The number of samples of an out port when its value was shown last.
+    shown: Option<u64>,
     /// The bytes of an in port's value.
     room: Vec<u8>,
-    memory: Memory,
 }
 
 impl fmt::Debug for Port {
@@ -42,10 +40,9 @@ impl fmt::Debug for Port {
 }
 
 impl Port {
-    /// Opens the port at an address. Its memory has the last value, if there is one.
-    pub(crate) fn open(supervisor: &Supervisor, text: &str) -> Result<Self, RpcError> {
-        let address: Address =
-            text.parse().map_err(|error: NoAddress| RpcError::bad_input(error.to_string()))?;
+    /// The port at an address.
+    pub(crate) fn find(supervisor: &Supervisor, text: &str) -> Result<Self, RpcError> {
+        let address = parse(text)?;
         let hosted = find(&supervisor.components, &address.component)?;
         let key = key(&hosted, &address.port, address.element.clone())?;
         let Some(ty) = hosted.port_type(key.port) else {
@@ -59,26 +56,31 @@ impl Port {
             return Err(RpcError::bad_input(message)
                 .help("read and publish it through the component: component.PORT"));
         }
-        let mut port = Self {
-            is_in: direction(&hosted, &key) == PortDirection::In,
+        let is_in = direction(&hosted, &key) == PortDirection::In;
+        Ok(Self {
             ty: ty.clone(),
-            memory: Memory::new(ty.size()).map_err(|error| no_memory(&address, &error))?,
-            room: Vec::new(),
-            count: 0,
+            room: vec![0; if is_in { ty.size() } else { 0 }],
+            shown: None,
             gone: false,
             hosted: Arc::downgrade(&hosted),
+            is_in,
             address,
             key,
-        };
-        if port.is_in {
-            port.room.resize(port.ty.size(), 0);
-            let value = hosted.last_value(&port.key).unwrap_or_else(|| Record::new(&port.ty));
-            let written = value.bytes().map(|bytes| port.memory.write(bytes));
-            written.transpose().map_err(|error| no_memory(&port.address, &error))?;
-        } else {
-            port.show(supervisor)?;
+        })
+    }
+
+    /// Memory for its value, with the last one if there is one.
+    pub(crate) fn memory(&mut self, supervisor: &Supervisor) -> Result<Memory, RpcError> {
+        let memory = Memory::new(self.ty.size()).map_err(|error| self.no_memory(&error))?;
+        if !self.is_in {
+            self.show(supervisor, &memory)?;
+            return Ok(memory);
         }
-        Ok(port)
+        let last = self.hosted.upgrade().and_then(|hosted| hosted.last_value(&self.key));
+        let value = last.unwrap_or_else(|| Record::new(&self.ty));
+        let written = value.bytes().map(|bytes| memory.write(bytes)).transpose();
+        written.map_err(|error| self.no_memory(&error))?;
+        Ok(memory)
     }
 
     pub(crate) fn is_in(&self) -> bool {
@@ -89,67 +91,68 @@ impl Port {
         &self.ty
     }
 
-    pub(crate) fn memory(&self) -> &Memory {
-        &self.memory
+    /// Whether its component is not there, as far as it was looked at.
+    pub(crate) fn is_gone(&self) -> bool {
+        self.gone
     }
 
-    /// Publishes the value of an in port, if the program has written it since the last step.
-    pub(crate) fn publish(&mut self, supervisor: &Supervisor) -> Result<(), RpcError> {
-        if !self.is_in {
-            return Ok(());
-        }
-        let hosted = self.hosted(supervisor)?;
-        let written = self.memory.written();
-        let count = written.map_err(|error| no_memory(&self.address, &error))?;
-        if count == self.count {
-            return Ok(());
-        }
-        // A value that is refused is refused once.
-        self.count = count;
-        let Some(hosted) = hosted else {
-            let message = format!("{} is gone, or has another type now", self.address);
-            return Err(RpcError::conflict(Code::NoSuchPort, message).help("open it again"));
+    /// Publishes the value of an in port, as it is in its memory.
+    pub(crate) fn publish(
+        &mut self,
+        supervisor: &Supervisor,
+        memory: &Memory,
+    ) -> Result<(), RpcError> {
+        let Some(hosted) = self.hosted(supervisor, memory)? else {
+            return Err(gone(&self.address));
         };
-        self.memory.read(&mut self.room).map_err(|error| no_memory(&self.address, &error))?;
+        memory.read(&mut self.room).map_err(|error| self.no_memory(&error))?;
         let room = &self.room;
         let fill = |value: &mut Record| Ok::<_, FeedError>(value.set_bytes(room)?);
         let fed = supervisor.connections.feed(&hosted, &self.key, fill, |_| ());
         fed.map_err(|error| not_published(&error).place(self.address.to_string()))
     }
 
-    /// Shows the value of an out port, if codels have written it since it was shown.
-    pub(crate) fn show(&mut self, supervisor: &Supervisor) -> Result<(), RpcError> {
-        let Some(hosted) = self.hosted(supervisor)? else { return Ok(()) };
+    /// Shows the value of an out port, if codels have written it since it was shown; says whether the
+    /// port is gone.
+    pub(crate) fn show(
+        &mut self,
+        supervisor: &Supervisor,
+        memory: &Memory,
+    ) -> Result<(), RpcError> {
+        let Some(hosted) = self.hosted(supervisor, memory)? else { return Ok(()) };
         if self.is_in {
             return Ok(());
         }
         let samples = hosted.ties.gauge(&self.key).map_or(0, |gauge| gauge.counts().samples);
-        if samples == self.count {
+        if self.shown == Some(samples) {
             return Ok(());
         }
         // Of a large value that nobody had looked at there is no copy before the next one.
         let Some(value) = hosted.last_value(&self.key) else { return Ok(()) };
         let bytes = value.bytes().unwrap_or_default();
-        let written = self.memory.write(bytes).and_then(|()| self.memory.set_written(samples));
-        written.map_err(|error| no_memory(&self.address, &error))?;
-        self.count = samples;
+        let written = memory.write(bytes).and_then(|()| memory.set_written(samples));
+        written.map_err(|error| self.no_memory(&error))?;
+        self.shown = Some(samples);
         Ok(())
     }
 
     /// The component, also one that has taken the place of the one that was there.
-    fn hosted(&mut self, supervisor: &Supervisor) -> Result<Option<Arc<Hosted>>, RpcError> {
+    fn hosted(
+        &mut self,
+        supervisor: &Supervisor,
+        memory: &Memory,
+    ) -> Result<Option<Arc<Hosted>>, RpcError> {
         if let Some(hosted) = self.hosted.upgrade().filter(|hosted| !hosted.gone.is_up()) {
             return Ok(Some(hosted));
         }
         let found = self.found(supervisor);
         if self.gone == found.is_some() {
             self.gone = found.is_none();
-            let told = self.memory.set_gone(self.gone);
-            told.map_err(|error| no_memory(&self.address, &error))?;
+            memory.set_gone(self.gone).map_err(|error| self.no_memory(&error))?;
         }
         Ok(found.map(|(hosted, key)| {
             self.hosted = Arc::downgrade(&hosted);
-            self.key = key;
+            (self.key, self.shown) = (key, None);
             hosted
         }))
     }
@@ -162,12 +165,28 @@ impl Port {
         let same = hosted.port_type(key.port).is_some_and(|ty| ty.same_as(&self.ty));
         (same && is_in == self.is_in && !hosted.gone.is_up()).then_some((hosted, key))
     }
+
+    fn no_memory(&self, error: &io::Error) -> RpcError {
+        no_memory(&self.address, error)
+    }
+}
+
+/// The address of a port.
+pub(crate) fn parse(text: &str) -> Result<Address, RpcError> {
+    text.parse().map_err(|error: NoAddress| RpcError::bad_input(error.to_string()))
+}
+
+/// A value was written to a port that is not there.
+pub(crate) fn gone(address: &Address) -> RpcError {
+    let message = format!("{address} is gone, or has another type now");
+    RpcError::conflict(Code::NoSuchPort, message).help("open it again")
+}
+
+/// The memory of a port cannot be used.
+pub(crate) fn no_memory(address: &Address, error: &io::Error) -> RpcError {
+    RpcError::internal(format!("{address}: its memory cannot be used: {error}"))
 }
 
 fn direction(hosted: &Hosted, key: &PortKey) -> PortDirection {
     hosted.model().ports[key.port].direction
-}
-
-fn no_memory(address: &Address, error: &io::Error) -> RpcError {
-    RpcError::internal(format!("{address}: its memory cannot be used: {error}"))
 }

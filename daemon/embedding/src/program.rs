@@ -1,4 +1,5 @@
-//! The program that started this daemon, at the other end of a socket.
+//! Who steps this daemon, at the other end of a socket: the program that started it; of a cell, the
+//! daemon of such a program.
 
 use std::fs::File;
 use std::io;
@@ -17,14 +18,16 @@ use rustix::stdio::{dup2_stdin, stdin};
 use tokio::runtime::Handle;
 
 use crate::session::Session;
+use crate::who::Who;
 
 /// Length of the address of a socket without a name: its family only.
 const UNNAMED: u32 = size_of::<u16>() as u32;
 
-/// The program that this daemon is a part of.
+/// The program that this daemon is a part of; of a cell, its daemon.
 #[derive(Debug)]
 pub struct Program {
     socket: Arc<OwnedFd>,
+    who: Who,
 }
 
 /// Why there is none.
@@ -63,14 +66,24 @@ impl Program {
         let socket = fcntl_dupfd_cloexec(given, 3)?;
         keep_from_children(&socket);
         dup2_stdin(File::open("/dev/null")?)?;
-        Ok(Self { socket: Arc::new(socket) })
+        Ok(Self { socket: Arc::new(socket), who: Who::Program })
     }
 
-    /// Stops the daemon when the program has closed its end, or ended, whatever codels do then.
+    /// The daemon of this cell, which lent it this end of a socket.
+    #[must_use]
+    pub fn of_daemon(socket: OwnedFd) -> Self {
+        Self { socket: Arc::new(socket), who: Who::Daemon }
+    }
+
+    /// Stops the daemon when the program has closed its end, or ended, whatever codels do then. What
+    /// becomes of a cell without daemon is said elsewhere.
     ///
     /// # Errors
     /// No thread can be started.
     pub fn watch(&self, supervisor: &Arc<Supervisor>) -> io::Result<()> {
+        if self.who == Who::Daemon {
+            return Ok(());
+        }
         let process = Pid::as_raw(getppid());
         tracing::info!("process {process}, which started this daemon, steps its clock");
         let (socket, supervisor) = (Arc::clone(&self.socket), Arc::downgrade(supervisor));
@@ -86,7 +99,7 @@ impl Program {
         Ok(())
     }
 
-    /// Does what the program asks, in a thread of its own, in which codels run.
+    /// Does what it asks, in a thread of its own, in which codels run.
     ///
     /// # Errors
     /// No thread can be started.
@@ -96,7 +109,7 @@ impl Program {
         cells: &Arc<Cells>,
         runtime: Handle,
     ) -> io::Result<()> {
-        let session = Session::new(&self.socket, supervisor, cells, runtime);
+        let session = Session::new((&self.socket, self.who), supervisor, cells, runtime);
         thread::Builder::new().name("genomd-steps".to_owned()).spawn(move || session.run())?;
         Ok(())
     }

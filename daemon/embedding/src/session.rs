@@ -1,4 +1,4 @@
-//! Requests of the program, one after the other.
+//! Requests of the program, or of the daemon of a cell, one after the other.
 
 use std::collections::BTreeMap;
 use std::io::{self, IoSlice};
@@ -7,29 +7,28 @@ use std::os::fd::{AsFd as _, OwnedFd};
 use std::sync::Arc;
 use std::time::Duration;
 
-use genom_cells::{AskError, Cells};
+use genom_cells::Cells;
 use genom_doors::RpcError;
 use genom_protocol::{Code, StepRequest};
 use genom_supervisor::Supervisor;
-use rustix::io::Errno;
-use rustix::net::{
-    RecvFlags, SendAncillaryBuffer, SendAncillaryMessage, SendFlags, recv, send, sendmsg,
-};
+use rustix::net::{SendAncillaryBuffer, SendAncillaryMessage, SendFlags, send, sendmsg};
 use tokio::runtime::Handle;
 
-use crate::port::Port;
-use crate::wire::{self, LONGEST, Request};
+use crate::far::receive;
+use crate::open::Open;
+use crate::places::Places;
+use crate::who::Who;
+use crate::wire::{self, LONGEST, Request, Taken};
 
 /// How many ports may be open.
 const MOST: usize = 1024;
 
 pub(crate) struct Session {
     socket: Arc<OwnedFd>,
-    supervisor: Arc<Supervisor>,
-    cells: Arc<Cells>,
-    runtime: Handle,
+    who: Who,
+    places: Places,
     /// Ports that are open, by their numbers: steps take them in the order in which they were opened.
-    ports: BTreeMap<u32, Port>,
+    ports: BTreeMap<u32, Open>,
     /// Number of the next port.
     next: u32,
     /// Whether it was told that a request was none.
@@ -38,63 +37,70 @@ pub(crate) struct Session {
 
 impl Session {
     pub(crate) fn new(
-        socket: &Arc<OwnedFd>,
+        (socket, who): (&Arc<OwnedFd>, Who),
         supervisor: &Arc<Supervisor>,
         cells: &Arc<Cells>,
         runtime: Handle,
     ) -> Self {
         Self {
             socket: Arc::clone(socket),
-            supervisor: Arc::clone(supervisor),
-            cells: Arc::clone(cells),
-            runtime,
+            who,
+            places: Places::new(supervisor, cells, runtime),
             ports: BTreeMap::new(),
             next: 0,
             told: false,
         }
     }
 
-    /// Answers until the program has closed its end.
+    /// Answers until the other end is closed: by a program, this daemon stops then.
     pub(crate) fn run(mut self) {
         // One byte more than a request has, to notice one that is longer.
         let mut message = [0; LONGEST + 1];
         loop {
-            let count = match recv(&*self.socket, &mut message[..], RecvFlags::empty()) {
-                Err(Errno::INTR) => continue,
-                Ok((count, _)) if count > 0 => count,
+            let (count, file) = match receive(&self.socket, &mut message) {
+                Ok((count, file)) if count > 0 => (count, file),
                 _ => break,
             };
-            if self.answer(&message[..count]).is_err() {
+            if self.answer(&message[..count], file).is_err() {
                 break;
             }
         }
-        self.supervisor.ask_to_stop("the program that started this daemon has closed its socket");
+        if self.who == Who::Program {
+            let why = "the program that started this daemon has closed its socket";
+            self.places.supervisor.ask_to_stop(why);
+        }
     }
 
-    fn answer(&mut self, message: &[u8]) -> io::Result<()> {
+    fn answer(&mut self, message: &[u8], file: Option<OwnedFd>) -> io::Result<()> {
         let (number, asked) = wire::parse(message);
         let done = match asked {
             Ok(Request::Hello) => {
-                let now = self.supervisor.clock.now().to_ne_bytes();
+                let now = self.places.supervisor.clock.now().to_ne_bytes();
                 Ok(wire::done(number, &[&now, env!("CARGO_PKG_VERSION").as_bytes()]))
             }
-            Ok(Request::Step(nanoseconds)) => {
-                self.step(nanoseconds).map(|now| wire::done(number, &[&now.to_ne_bytes()]))
-            }
+            Ok(Request::Step(nanoseconds)) => self
+                .step(nanoseconds)
+                .map(|(now, gone)| wire::done(number, &[&now.to_ne_bytes(), &gone.to_ne_bytes()])),
             Ok(Request::Open(address)) => match self.open(address) {
                 Ok(port) => return self.share(number, port),
                 Err(error) => Err(error),
             },
+            Ok(Request::Take(taken)) => self.take(number, &taken, file),
             Ok(Request::Close(port)) => match self.ports.remove(&port) {
-                Some(_) => Ok(wire::done(number, &[])),
+                Some(open) => {
+                    self.places.close(&open);
+                    Ok(wire::done(number, &[]))
+                }
                 None => {
                     Err(RpcError::conflict(Code::NoSuchPort, format!("no port {port} is open")))
                 }
             },
+            Ok(Request::Publish) => self.publish().map(|()| wire::done(number, &[])),
             Err(why) => {
                 if !self.told {
                     self.told = true;
-                    tracing::warn!("a request of the program is none: {why}; others are not told");
+                    let who = self.who;
+                    tracing::warn!("a request of the {who} is none: {why}; others are not told");
                 }
                 Err(RpcError::conflict(Code::Malformed, format!("the request is none: {why}")))
             }
@@ -103,8 +109,10 @@ impl Session {
         self.send(&reply)
     }
 
-    fn step(&mut self, nanoseconds: u64) -> Result<u64, RpcError> {
-        let clock = genom_views::stepped(&self.supervisor)?;
+    /// Steps all; returns the time, and how many ports are not there.
+    fn step(&mut self, nanoseconds: u64) -> Result<(u64, u32), RpcError> {
+        let supervisor = &self.places.supervisor;
+        let clock = genom_views::stepped(supervisor)?;
         if nanoseconds > StepRequest::LONGEST {
             let message = format!(
                 "a step of {nanoseconds} ns is too long: {} s are the most",
@@ -112,62 +120,74 @@ impl Session {
             );
             return Err(RpcError::bad_input(message));
         }
-        if self.supervisor.stopping() {
+        if supervisor.stopping() {
             return Err(RpcError::conflict(Code::Stopping, "the daemon is stopping"));
         }
-        for port in self.ports.values_mut() {
-            port.publish(&self.supervisor)?;
-        }
-        if !self.cells.all().is_empty() {
-            let stepped = self.runtime.block_on(self.cells.step(&StepRequest { nanoseconds }));
-            stepped.map_err(|error| match error {
-                AskError::Refused(_, reason) => RpcError::conflict(Code::CellDown, reason.message),
-                error => RpcError::conflict(Code::CellDown, error.to_string()),
-            })?;
-        }
+        self.places.settle(&mut self.ports)?;
+        self.publish()?;
+        self.places.step(nanoseconds)?;
         clock.step(Duration::from_nanos(nanoseconds));
-        for port in self.ports.values_mut() {
-            port.show(&self.supervisor)?;
+        let mut gone = 0;
+        for open in self.ports.values_mut() {
+            open.show(&self.places.supervisor)?;
+            gone += u32::from(open.is_gone());
         }
-        Ok(clock.now())
+        Ok((clock.now(), gone))
+    }
+
+    /// Publishes what was written to in ports.
+    fn publish(&mut self) -> Result<(), RpcError> {
+        self.places.publish(&self.ports)?;
+        for open in self.ports.values_mut() {
+            open.publish(&self.places.supervisor)?;
+        }
+        Ok(())
     }
 
     /// Opens a port; returns its number.
     fn open(&mut self, address: &str) -> Result<u32, RpcError> {
-        if self.ports.len() >= MOST {
-            let message = format!("{MOST} ports are open, the most: close some");
-            return Err(RpcError::conflict(Code::TooManyStreams, message));
+        self.has_room()?;
+        let open = self.places.open(address)?;
+        Ok(self.add(open))
+    }
+
+    /// Goes on with a port.
+    fn take(
+        &mut self,
+        number: u32,
+        taken: &Taken<'_>,
+        file: Option<OwnedFd>,
+    ) -> Result<Vec<u8>, RpcError> {
+        self.has_room()?;
+        let Some(file) = file else {
+            return Err(RpcError::conflict(Code::Malformed, "no memory came with the request"));
+        };
+        let open = self.places.take(taken, file)?;
+        let reply = |port, open: &Open| wire::done(number, &[&open.told(port).bytes()]);
+        let port = self.add(open);
+        Ok(self.ports.get(&port).map_or_else(Vec::new, |open| reply(port, open)))
+    }
+
+    fn has_room(&self) -> Result<(), RpcError> {
+        if self.ports.len() < MOST {
+            return Ok(());
         }
-        let component = address.split('/').next().unwrap_or_default();
-        if let Some(cell) = self.cells.of(component) {
-            let message = format!(
-                "no component `{component}` in the process of the daemon: it runs in cell {}",
-                cell.name()
-            );
-            return Err(RpcError::conflict(Code::NoSuchComponent, message)
-                .help("read and publish its ports through the component: component.PORT"));
-        }
-        let port = Port::open(&self.supervisor, address)?;
+        let message = format!("{MOST} ports are open, the most: close some");
+        Err(RpcError::conflict(Code::TooManyStreams, message))
+    }
+
+    fn add(&mut self, open: Open) -> u32 {
         let number = self.next;
         self.next = self.next.wrapping_add(1);
-        self.ports.insert(number, port);
-        Ok(number)
+        self.ports.insert(number, open);
+        number
     }
 
     /// Gives the memory of a port to the program.
     fn share(&self, number: u32, port: u32) -> io::Result<()> {
         let Some(open) = self.ports.get(&port) else { return Ok(()) };
-        let ty = open.ty();
-        let reply = wire::done(
-            number,
-            &[
-                &port.to_ne_bytes(),
-                &u32::from(open.is_in()).to_ne_bytes(),
-                &(ty.size() as u64).to_ne_bytes(),
-                ty.digest().as_bytes(),
-            ],
-        );
-        let files = [open.memory().as_fd()];
+        let reply = wire::done(number, &[&open.told(port).bytes()]);
+        let files = [open.memory.as_fd()];
         let mut room = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
         let mut ancillary = SendAncillaryBuffer::new(&mut room);
         ancillary.push(SendAncillaryMessage::ScmRights(&files));

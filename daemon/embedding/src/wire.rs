@@ -1,5 +1,5 @@
 //! What goes over the socket: one message for each request and each reply, numbers in the order of the
-//! machine.
+//! machine. A program asks its daemon so, and that daemon its cells.
 //!
 //! A request is `u32` number, `u32` verb, and what the verb takes; of a reply it is the same number,
 //! `u32` status, and what the verb returns, or the refusal as JSON as on the control plane. Requests
@@ -8,18 +8,34 @@
 //! | verb | takes | returns |
 //! |---|---|---|
 //! | 0, hello | | `u64` time of the clock in ns, version of genomd |
-//! | 1, step | `u64` ns | `u64` time of the clock in ns |
+//! | 1, step | `u64` ns | `u64` time of the clock in ns, `u32` how many open ports are not there |
 //! | 2, open | address of a port | `u32` number of the port, `u32` 1 for an in port, `u64` size of its type in bytes, digest of its type; with it, its memory |
 //! | 3, close | `u32` number of a port | |
+//! | 4, publish | | |
+//! | 5, take | `u64` count of the value that was published last, `u32` 1 for an in port, digest of its type, a space, address of a port; with it, the memory that it had in another process | as open, without memory |
+//!
+//! A step publishes first; a daemon has its cells publish before it steps any of them, so that time
+//! stays everywhere if a value is refused.
 
 /// The longest request, in bytes.
 pub(crate) const LONGEST: usize = 4096;
 
 /// Statuses of replies.
-const DONE: u32 = 0;
+pub(crate) const DONE: u32 = 0;
 const REFUSED: u32 = 1;
 
-/// What the program asks.
+/// Verbs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub(crate) enum Verb {
+    Step = 1,
+    Open = 2,
+    Close = 3,
+    Publish = 4,
+    Take = 5,
+}
+
+/// What is asked.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Request<'a> {
     /// Answered once the daemon is ready.
@@ -30,6 +46,56 @@ pub(crate) enum Request<'a> {
     Open(&'a str),
     /// Forget the port of this number.
     Close(u32),
+    /// Publish what was written to in ports.
+    Publish,
+    /// Go on with the memory of a port.
+    Take(Taken<'a>),
+}
+
+/// A port that had its memory in another process.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct Taken<'a> {
+    /// The count of the value that was published last.
+    pub(crate) published: u64,
+    pub(crate) is_in: bool,
+    /// Of its type.
+    pub(crate) digest: &'a str,
+    pub(crate) address: &'a str,
+}
+
+impl Taken<'_> {
+    /// What [`Verb::Take`] takes.
+    pub(crate) fn bytes(&self) -> Vec<u8> {
+        let head = [&self.published.to_ne_bytes()[..], &u32::from(self.is_in).to_ne_bytes()];
+        [head.concat(), format!("{} {}", self.digest, self.address).into_bytes()].concat()
+    }
+}
+
+/// What is told of a port that was opened.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct Opened<'a> {
+    pub(crate) number: u32,
+    pub(crate) is_in: bool,
+    pub(crate) size: u64,
+    /// Of its type.
+    pub(crate) digest: &'a str,
+}
+
+impl<'a> Opened<'a> {
+    /// What [`Verb::Open`] and [`Verb::Take`] return.
+    pub(crate) fn bytes(&self) -> Vec<u8> {
+        let head = [self.number.to_ne_bytes(), u32::from(self.is_in).to_ne_bytes()].concat();
+        [&head, &self.size.to_ne_bytes()[..], self.digest.as_bytes()].concat()
+    }
+
+    /// The same, read.
+    pub(crate) fn read(bytes: &'a [u8]) -> Option<Self> {
+        let (number, rest) = word(bytes)?;
+        let (is_in, rest) = word(rest)?;
+        let (size, digest) = rest.split_first_chunk()?;
+        let digest = std::str::from_utf8(digest).ok()?;
+        Some(Self { number, is_in: is_in == 1, size: u64::from_ne_bytes(*size), digest })
+    }
 }
 
 /// The number of a request, as far as it has one, and what it asks.
@@ -54,12 +120,22 @@ pub(crate) fn parse(message: &[u8]) -> (u32, Result<Request<'_>, &'static str>) 
             Some((port, [])) => Ok(Request::Close(port)),
             _ => Err("the number of a port has 4 bytes"),
         },
+        (4, []) => Ok(Request::Publish),
+        (5, rest) => take(rest).map(Request::Take).ok_or("a port to take is described otherwise"),
         _ => Err("there is no such verb, or it takes nothing"),
     };
     (number, asked)
 }
 
-fn word(bytes: &[u8]) -> Option<(u32, &[u8])> {
+fn take(rest: &[u8]) -> Option<Taken<'_>> {
+    let (published, rest) = rest.split_first_chunk()?;
+    let (is_in, rest) = word(rest)?;
+    let (digest, address) = std::str::from_utf8(rest).ok()?.split_once(' ')?;
+    Some(Taken { published: u64::from_ne_bytes(*published), is_in: is_in == 1, digest, address })
+}
+
+/// The first number, and what follows.
+pub(crate) fn word(bytes: &[u8]) -> Option<(u32, &[u8])> {
     let (word, rest) = bytes.split_first_chunk()?;
     Some((u32::from_ne_bytes(*word), rest))
 }
@@ -95,6 +171,13 @@ mod tests {
         assert_eq!(parse(&message(&[&n, &verb(0)])), (7, Ok(Request::Hello)));
         let close = message(&[&n, &verb(3), &verb(2)]);
         assert_eq!(parse(&close), (7, Ok(Request::Close(2))));
+        assert_eq!(parse(&message(&[&n, &verb(4)])), (7, Ok(Request::Publish)));
+        let taken = Taken { published: 9, is_in: true, digest: "ab", address: "demo/gain" };
+        let take = message(&[&n, &verb(5), &taken.bytes()]);
+        assert_eq!(parse(&take), (7, Ok(Request::Take(taken))));
+        let opened = Opened { number: 3, is_in: false, size: 16, digest: "ab" };
+        assert_eq!(Opened::read(&opened.bytes()), Some(opened));
+        assert_eq!(Opened::read(&[0; 15]), None);
     }
 
     #[test]
@@ -110,6 +193,10 @@ mod tests {
             &message(&[&verb(2), b"\xff"]),
             &message(&[&verb(3), b"123"]),
             &message(&[&verb(2), &[b'x'; LONGEST]]),
+            &message(&[&verb(4), b"x"]),
+            &message(&[&verb(5), &[0; 12]]),
+            &message(&[&verb(5), &[0; 11], b" demo/gain"]),
+            &message(&[&verb(5), &[0; 12], b"\xff demo/gain"]),
         ] {
             let whole = message(&[&n, rest]);
             let (number, asked) = parse(&whole);

@@ -125,6 +125,7 @@ fn cells(
         reports: Reports::new(&settings.config.crashes, &settings.rpc.socket),
         boxes,
         stop_timeout: settings.supervisor.stop_timeout,
+        embedded: settings.program.is_some(),
         hears: Box::new(move |told| match told {
             Told::Change(change) => {
                 if let Some((component, why)) = withholds(&change) {

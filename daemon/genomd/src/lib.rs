@@ -101,7 +101,9 @@ fn settings(cli: Cli, invitation: Invitation) -> Result<Settings, Refusal> {
     settings.program = program;
     if let Some(file) = &cell_file {
         let own = OwnCell::new(file).map_err(Refusal::usage)?;
-        settings.lease = Some(genom_cells::own::take_lease().map_err(Refusal::own)?);
+        let mut lease = genom_cells::own::take_lease().map_err(Refusal::own)?;
+        settings.program = lease.steps.take().map(Program::of_daemon);
+        settings.lease = Some(lease);
         settings.deployment = own.before();
         settings.supervisor.trials = Some(own.trials());
         settings.own_cell = Some(Arc::new(own));

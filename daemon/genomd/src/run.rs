@@ -249,15 +249,15 @@ async fn work(daemon: &Daemon, settings: &Settings) -> Result<(), Refusal> {
     match load_all(daemon, settings).await {
         Ok(rest) => {
             startup.ready.raise();
+            let serve = |by: &Program| by.serve(supervisor, &daemon.cells, Handle::current());
+            if let Some(Err(error)) = settings.program.as_ref().map(serve) {
+                supervisor.ask_to_stop(&format!("its program cannot be served: {error}"));
+            }
             // Of a cell, its daemon reports it.
             if daemon.own_cell.is_none() {
                 let ready = format!("ready on {}", daemon.rpc.socket.display());
                 tracing::info!("{ready}");
                 daemon.manager.ready(&ready);
-                let serve = |by: &Program| by.serve(supervisor, &daemon.cells, Handle::current());
-                if let Some(Err(error)) = settings.program.as_ref().map(serve) {
-                    supervisor.ask_to_stop(&format!("its program cannot be served: {error}"));
-                }
                 daemon.boxes.tell_unmatched(supervisor, daemon.cells.all()).await;
             }
             tokio::select! {

@@ -50,7 +50,7 @@ pub(crate) struct Settings {
     pub(crate) invitation: Invitation,
     /// Of a cell: what its daemon lent it.
     pub(crate) lease: Option<Lease>,
-    /// The program that it is a part of, if it is.
+    /// The program that it is a part of, if it is; of a cell, its daemon if that is.
     pub(crate) program: Option<Program>,
 }
 

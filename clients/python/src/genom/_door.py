@@ -49,7 +49,7 @@ class Door:
                     size = self._socket.recv_into(room)
             except OSError:
                 size = 0
-            if size == _STEPPED.size:
+            if size >= _STEPPED.size:
                 _, status, now = _STEPPED.unpack_from(room)
                 if status == 0:
                     return int(now)

@@ -66,11 +66,13 @@ class Client(Daemon):
         name: Optional[str] = None,
         backend: Optional[str] = None,
         gen: Optional[str] = None,
+        cell: Optional[str] = None,
     ) -> Component:
         """The component of that name, loaded unless an instance of it is running already.
 
         ``library`` is a name on the daemon's component path, or a file. ``name`` is the instance
-        name; ``load('demo', '-i', 'left')`` sets it, too.
+        name; ``load('demo', '-i', 'left')`` sets it, too. ``cell`` is the process that is to run it,
+        which starts if it is not there.
         """
         name, backend = _options(options, name, backend)
         library = os.fspath(library)
@@ -78,7 +80,7 @@ class Client(Daemon):
         if found is not None:
             return self.component(found)
         body = {"library": self._file(library)}
-        for key, value in (("name", name), ("backend", backend), ("gen", gen)):
+        for key, value in (("name", name), ("backend", backend), ("gen", gen), ("cell", cell)):
             if value is not None:
                 body[key] = self._file(value) if key == "gen" else value
         loaded = self._transport.request("POST", "/components", body)

@@ -14,7 +14,7 @@ import sysconfig
 import tempfile
 import time
 import weakref
-from typing import TYPE_CHECKING, Any, Dict, List, NoReturn, Optional, Sequence, Union
+from typing import Any, Dict, List, NoReturn, Optional, Sequence, Union
 
 from ._door import Door
 from ._faults import Faults, Relay
@@ -24,9 +24,6 @@ from ._target import resolve
 from .activity import Activity, Status
 from .client import Client
 from .errors import DaemonError, RefusalError
-
-if TYPE_CHECKING:
-    from ._passed import Passed
 
 # Seconds that the daemon may take to stop, beyond what its components may.
 _STOPPING = 20.0
@@ -103,8 +100,6 @@ class Daemon(Client):
         self._finish = weakref.finalize(self, _end, self._process, ours, place, name)
         self._stepped = self._now = 0
         self._faults = Faults(self)
-        # Ports of components in cells.
-        self._passed: List[Passed] = []
         self._begun: Optional[float] = None
         self._door = Door(ours, self._lost)
         try:
@@ -227,15 +222,11 @@ class Daemon(Client):
         """Steps the clock; returns its time in nanoseconds."""
         if self._begun is None:
             self._begun = time.perf_counter()
-        for port in self._passed:
-            port.publish()
         if self._faults:
             self._now = self._faults.step(nanoseconds, self._door.step)
         else:
             self._now = self._door.step(nanoseconds)
         self._stepped += nanoseconds
-        for port in self._passed:
-            port.show()
         return self._now
 
     def port(self, port: Union[str, Place], element: Optional[str] = None) -> Any:
@@ -243,23 +234,14 @@ class Daemon(Client):
 
         Of an in port, `data` is what the next `write` publishes; of an out port, `data` is what codels
         have written last, as of the last step. Its type has to be of one size, without unbounded
-        strings or sequences. Of a component in a cell nothing is shared: `data` is memory of this
-        program, and each step passes it on, by a request for each such port.
+        strings or sequences. The component may be in a cell, and begin again in another process.
         """
-        from ._passed import passed
         from ._shared import SharedPort, shared
 
         address = port.address(element) if isinstance(port, Place) else port
         if not isinstance(port, Place) and element is not None:
             address = f"{address}/{element}"
-        try:
-            number, is_in, size, digest, file = self._door.open(address)
-        except RefusalError as why:
-            there = passed(self, address, why)
-            if there is None:
-                raise
-            self._passed.append(there)
-            return there.port
+        number, is_in, size, digest, file = self._door.open(address)
 
         def forget() -> None:
             # Nobody is there to forget it when the daemon has ended.

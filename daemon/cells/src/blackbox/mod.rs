@@ -13,5 +13,5 @@ mod write;
 
 pub use boxes::BlackBoxes;
 pub use lease::Lease;
-pub(crate) use lease::lend;
+pub(crate) use lease::{Lent, lend};
 pub use write::SaveError;

@@ -32,9 +32,9 @@ fn libraries() -> PathBuf {
     program("genomd").parent().unwrap().to_owned()
 }
 
-fn run(made: &Path) -> Finished {
+fn run(made: &Path, options: &[&str]) -> Finished {
     let mut command = Command::new(made);
-    command.arg(component("demo").library).env("GENOMD", program("genomd"));
+    command.arg(component("demo").library).args(options).env("GENOMD", program("genomd"));
     command.env("GENOMCTL", program("genomctl"));
     let finished = Running::start(&mut command).finish();
     finished.expect_code(0);
@@ -46,8 +46,10 @@ fn a_program_in_c_steps_a_component_and_is_told_what_is_wrong() {
     let library = libraries().join("libgenomd_client.a");
     let link = [path(&library), "-lpthread", "-ldl", "-lm"];
     let (_scratch, made) = built(&["cc", "-std=c99", "-x", "c"], &link);
-    let (first, second) = (run(&made), run(&made));
+    let (first, second) = (run(&made, &[]), run(&made, &[]));
     assert_eq!(first.out, second.out, "equal steps with equal values");
+    let in_a_cell = run(&made, &["--cell", "arm"]);
+    assert_eq!(in_a_cell.out, first.out, "wherever the component runs");
     let rows: Vec<&str> = first.out.lines().collect();
     assert_eq!(rows.last(), Some(&"arrived"), "{}", first.out);
     assert!(rows.len() > 100, "{}", first.out);
@@ -59,5 +61,5 @@ fn a_program_in_cpp_does_the_same_with_the_shared_library() {
     let (search, found) = (format!("-L{}", path(&at)), format!("-Wl,-rpath,{}", path(&at)));
     let link = [&search, &found, "-lgenomd_client"];
     let (_scratch, made) = built(&["c++", "-std=c++11", "-x", "c++"], &link);
-    assert!(run(&made).out.ends_with("arrived\n"));
+    assert!(run(&made, &[]).out.ends_with("arrived\n"));
 }

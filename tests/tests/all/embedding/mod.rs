@@ -18,7 +18,15 @@ fn options() -> Options {
 /// Has genomctl do something at a socket.
 #[track_caller]
 fn ctl(socket: &Path, arguments: &[&str]) {
+    said(socket, arguments);
+}
+
+/// The same, and what it prints.
+#[track_caller]
+fn said(socket: &Path, arguments: &[&str]) -> String {
     let mut command = Command::new(program("genomctl"));
     command.arg("--socket").arg(socket).args(arguments);
-    Running::start(&mut command).finish().expect_code(0);
+    let finished = Running::start(&mut command).finish();
+    finished.expect_code(0);
+    finished.out
 }

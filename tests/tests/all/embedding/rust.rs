@@ -7,7 +7,7 @@ use std::time::Duration;
 use genom_client::{AskError, Daemon, In, OpenError, Out, PortError, StartError};
 use genom_tests::{component, signal};
 
-use super::{ctl, options};
+use super::{ctl, options, said};
 
 const STEP: Duration = Duration::from_millis(5);
 
@@ -16,9 +16,14 @@ fn with_demo() -> Daemon {
     Daemon::start(&options().argument(component("demo").library)).unwrap()
 }
 
+/// A daemon with the demo in a cell.
+fn with_demo_in_cell() -> Daemon {
+    let options = options().argument("--cell").argument("arm").argument(component("demo").library);
+    Daemon::start(&options).unwrap()
+}
+
 /// What the axis does on its way to 1 m, if the program sets this gain when it is at 0.5 m.
-fn run_of(gain_later: f64) -> Vec<([f64; 2], u64)> {
-    let mut daemon = with_demo();
+fn run_of(mut daemon: Daemon, gain_later: f64) -> Vec<([f64; 2], u64)> {
     let mut gain = In::open(&mut daemon, "demo/parameter").unwrap();
     let position = Out::open(&mut daemon, "demo/position").unwrap();
     let memory = (gain.as_ptr(), position.as_ptr());
@@ -44,10 +49,44 @@ fn run_of(gain_later: f64) -> Vec<([f64; 2], u64)> {
 
 #[test]
 fn a_program_in_rust_steps_a_component_and_equal_values_give_equal_runs() {
-    let first = run_of(0.5);
-    assert_eq!(first, run_of(0.5));
+    let first = run_of(with_demo(), 0.5);
+    assert_eq!(first, run_of(with_demo(), 0.5));
     // The axis hears what the program says of what it sees.
-    assert!(first.len() > run_of(1.0).len());
+    assert!(first.len() > run_of(with_demo(), 1.0).len());
+}
+
+#[test]
+fn a_program_in_rust_sees_the_same_of_a_component_in_a_cell() {
+    assert_eq!(run_of(with_demo_in_cell(), 0.5), run_of(with_demo(), 0.5));
+}
+
+#[test]
+fn ports_of_a_cell_keep_their_memory_in_its_next_process() {
+    let mut daemon = with_demo_in_cell();
+    let mut gain = In::open(&mut daemon, "demo/parameter").unwrap();
+    let position = Out::open(&mut daemon, "demo/position").unwrap();
+    let memory = (gain.as_ptr(), position.as_ptr());
+    ctl(&daemon.socket(), &["start", "demo", "goto", "goal=1"]);
+    for _ in 0..20 {
+        daemon.step(STEP).unwrap();
+    }
+    let made = said(&daemon.socket(), &["connections"]);
+    assert!(!made.contains("demo/parameter"), "nothing was published: {made}");
+    let before = position.count();
+    *gain.value_mut::<f64>().unwrap() = 0.25;
+    gain.write().unwrap();
+    ctl(&daemon.socket(), &["cells", "--restart", "arm"]);
+    assert_eq!(daemon.step(STEP).unwrap(), 21 * STEP);
+    assert!((1..before).contains(&position.count()), "{} of {before}", position.count());
+    assert_eq!((gain.as_ptr(), position.as_ptr()), memory);
+    let made = said(&daemon.socket(), &["connections"]);
+    assert!(made.contains("demo/parameter"), "published in the next process: {made}");
+    ctl(&daemon.socket(), &["unload", "demo"]);
+    daemon.step(STEP).unwrap();
+    assert!(matches!(gain.write(), Err(PortError::Gone(_))));
+    assert!(matches!(position.bytes(&daemon), Err(PortError::Gone(_))));
+    drop((gain, position));
+    assert_eq!(memory_of_ports(daemon.id()), 0);
 }
 
 #[test]

@@ -18,6 +18,8 @@ fn the_client_passes(tests: &str, interpreter: &Path, options: &[&str]) {
     command
         .env("TMPDIR", fixtures.path())
         .env("XDG_STATE_HOME", fixtures.path().join("state"))
+        .env("JUPYTER_RUNTIME_DIR", fixtures.path().join("jupyter"))
+        .env("IPYTHONDIR", fixtures.path().join("ipython"))
         .env("GENOMD", program("genomd"))
         .env("GENOM_DEMO", path(&demo.library))
         .env("GENOM_MISSION", path(&mission.library))
@@ -35,6 +37,11 @@ fn a_program_steps_its_daemon_with_the_standard_library_alone() {
 }
 
 #[test]
+fn a_program_shares_ports_of_components_in_cells() {
+    the_client_passes("tests.test_embedded_cells", &plain(), &["-S"]);
+}
+
+#[test]
 fn five_hundred_ports_of_an_embedded_daemon_take_a_file_each_and_give_it_back() {
     the_client_passes("tests.test_embedded_files", &plain(), &["-S"]);
 }
@@ -43,6 +50,14 @@ fn five_hundred_ports_of_an_embedded_daemon_take_a_file_each_and_give_it_back() 
 fn a_program_steps_its_daemon_and_has_ports_as_numpy_arrays() {
     let python = python::environment(&["numpy==2.4.6"]).unwrap_or_else(|error| panic!("{error}"));
     the_client_passes("tests.test_embedded", &python, &[]);
+}
+
+/// Jupyter warns of what is its own, so that warnings are no errors here.
+#[test]
+fn a_notebook_steps_its_daemon() {
+    let python =
+        python::environment(&["ipykernel==6.30.1"]).unwrap_or_else(|error| panic!("{error}"));
+    the_client_passes("tests.test_notebook", &python, &["-W", "ignore"]);
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! Codels in Python that end their process: others go on, and it is told which line did it.
 
-use genom_tests::{Daemon, component, path, until};
+use genom_tests::{Daemon, Home, component, path, until};
 use tempfile::TempDir;
 
-use super::started;
+use super::{DESCRIPTION, SCRIPT, axis, started};
 
 /// A daemon with the component, and the demo in C in its own process.
 fn beside_the_demo() -> (Daemon, TempDir) {
@@ -48,4 +48,22 @@ fn a_child_that_a_codel_forked_ends_and_the_codel_goes_on() {
     let (daemon, _scratch) = started(&[]);
     daemon.ctl(&["call", "axis", "how", "what=fork"]).expect_code(0).expect_out("tries = 1\n");
     daemon.ctl(&["call", "axis", "how", "what=no"]).expect_code(0).expect_out("tries = 2\n");
+}
+
+#[test]
+fn a_codel_that_takes_memory_without_end_is_told_with_its_line_and_goes_on() {
+    let takes = "    if what == \"take\":\n        take([])\n    if what == \"print\":";
+    let script = SCRIPT.replace("    if what == \"print\":", takes)
+        + "\n\ndef take(held):\n    while True:\n        held.append(bytearray(1 << 24))\n";
+    let line = 1 + script.lines().position(|line| line.contains("held.append")).unwrap();
+    let (_scratch, file) = axis(DESCRIPTION, &script);
+    let demo = component("demo");
+    let limit = ["--set", "cells.limits.memory=1024"];
+    let daemon = Home::new().start(&[&limit[..], &[path(&demo.library), path(&file)]].concat());
+    let called = daemon.ctl(&["call", "axis", "how", "what=take"]);
+    called.expect_code(1).expect_err("::genom::unkex").expect_err("MemoryError");
+    daemon.ctl(&["call", "axis", "how", "what=no"]).expect_code(0).expect_out("tries = 2\n");
+    daemon.ctl(&["call", "demo", "goto", "goal=0.01"]).expect_code(0);
+    let log = daemon.stop("TERM").0.err;
+    assert!(log.contains(&format!("axis.py\", line {line}, in take")), "{log}");
 }
