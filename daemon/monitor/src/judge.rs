@@ -2,15 +2,18 @@
 //! held at the event before (Havelund and Rosu, Synthesizing Monitors for Safety Properties, 2002).
 //! Only what the event does not tell by itself is computed ([`crate::steps`]).
 
+use std::sync::Arc;
+
 use crate::past::Past;
 use crate::program::{Part, Program};
-use crate::steps::{Step, What, has_past, steps};
+use crate::steps::{Heard, Step, What, has_past, steps};
+use crate::value::Value;
 
 /// A formula at one moment.
 #[derive(Clone, Debug)]
 pub struct Judge {
-    /// For each of what it hears, where its steps are, and the parts that hold by that alone.
-    heard: Box<[(u32, u32, u64)]>,
+    /// What is done about each of what it hears.
+    heard: Box<[Letter]>,
     /// The steps of all, one after the other.
     steps: Box<[Step]>,
     /// How many times each service of a part runs.
@@ -20,18 +23,29 @@ pub struct Judge {
     before: u64,
     /// The parts that another one asks for at the next event.
     asked: u64,
-    /// Number of the last part.
-    last: usize,
-    /// Where the blame goes on from a part; nothing for most.
-    blames: Box<[Blame]>,
+    /// To say what is to blame.
+    blames: Arc<Blames>,
+}
+
+/// What is done about one thing that is heard.
+#[derive(Clone, Copy, Debug, Default)]
+struct Letter {
+    /// Where its steps are.
+    begin: u32,
+    end: u32,
+    /// The parts that hold by that alone.
+    holds: u64,
+    /// The formula holds if of these parts those and no others hold after the steps.
+    looked_at: u64,
+    wanted: u64,
 }
 
 /// Because of which of its parts one does not hold.
-#[derive(Clone, Copy, Debug)]
-enum Blame {
-    Itself,
-    Second(u8),
-    First(u8, u8),
+#[derive(Debug)]
+struct Blames {
+    parts: Vec<Part>,
+    /// For each of what is heard, the value of each part.
+    values: Vec<Vec<Value>>,
 }
 
 impl Judge {
@@ -39,24 +53,20 @@ impl Judge {
     #[must_use]
     pub fn new(program: &Program) -> Self {
         let parts = program.parts();
-        let small = |at: usize| u8::try_from(at).unwrap_or(u8::MAX);
-        let (mut heard, mut all) = (Vec::new(), Vec::new());
+        let (mut heard, mut all, mut values) = (Vec::new(), Vec::new(), Vec::new());
         for one in steps(program, &program.hears()) {
-            let begin = all.len();
-            all.extend(one.steps);
+            let Heard { steps, holds, looked_at, wanted, values: known } = one;
             let place = |at: usize| u32::try_from(at).unwrap_or(u32::MAX);
-            heard.push((place(begin), place(all.len()), one.holds));
+            let begin = place(all.len());
+            all.extend(steps);
+            heard.push(Letter { begin, end: place(all.len()), holds, looked_at, wanted });
+            values.push(known);
         }
         let past = |part: &Part| part.bounds().filter(|_| has_past(part)).map(Past::new);
         let asked = all.iter().fold(0, |asked, step| match step.what {
             What::Previous(a) => asked | 1 << a,
             _ => asked,
         });
-        let blame = |part: &Part| match *part {
-            Part::Implies(_, b) => Blame::Second(small(b)),
-            Part::And(a, b) => Blame::First(small(a), small(b)),
-            _ => Blame::Itself,
-        };
         Self {
             heard: heard.into_boxed_slice(),
             steps: all.into_boxed_slice(),
@@ -64,8 +74,7 @@ impl Judge {
             pasts: parts.iter().filter_map(past).collect(),
             before: 0,
             asked,
-            last: parts.len() - 1,
-            blames: parts.iter().map(blame).collect(),
+            blames: Arc::new(Blames { parts: parts.to_vec(), values }),
         }
     }
 
@@ -73,8 +82,8 @@ impl Judge {
     /// formula does not hold.
     #[inline]
     pub fn hear(&mut self, letter: usize, now: u64) -> Option<usize> {
-        let (begin, end, mut held) = self.heard.get(letter).copied().unwrap_or_default();
-        let bit = |bits: u64, at: u8| bits >> (at & 63) & 1 == 1;
+        let Letter { begin, end, holds, looked_at, wanted } = *self.heard.get(letter)?;
+        let mut held = holds;
         for step in self.steps.get(begin as usize..end as usize).unwrap_or_default() {
             let holds = match step.what {
                 What::Starts => {
@@ -88,39 +97,24 @@ impl Judge {
                     *running > 0
                 }
                 What::Runs => self.running[usize::from(step.part)] > 0,
-                What::Not(a) => !bit(held, a),
-                What::And(a, b) => bit(held, a) && bit(held, b),
-                What::Or(a, b) => bit(held, a) || bit(held, b),
-                What::Implies(a, b) => !bit(held, a) || bit(held, b),
-                What::Previous(a) => bit(self.before, a),
+                What::Same(a) => a.holds(held),
+                What::And(a, b) => a.holds(held) && b.holds(held),
+                What::Or(a, b) => a.holds(held) || b.holds(held),
+                What::Previous(a) => self.before >> (a & 63) & 1 == 1,
                 What::Once(past, a) => {
-                    self.pasts[usize::from(past)].goes_on(true, bit(held, a), now)
+                    self.pasts[usize::from(past)].goes_on(true, a.holds(held), now)
                 }
                 What::Historically(past, a) => {
-                    !self.pasts[usize::from(past)].goes_on(true, !bit(held, a), now)
+                    !self.pasts[usize::from(past)].goes_on(true, a.holds(held), now)
                 }
                 What::Since(past, a, b) => {
-                    self.pasts[usize::from(past)].goes_on(bit(held, a), bit(held, b), now)
+                    self.pasts[usize::from(past)].goes_on(a.holds(held), b.holds(held), now)
                 }
             };
             held |= u64::from(holds) << (step.part & 63);
         }
         self.before = held;
-        (held >> self.last & 1 == 0).then(|| self.blamed())
-    }
-
-    /// The smallest part because of which the last one does not hold, as far as one is to blame.
-    #[cold]
-    fn blamed(&self) -> usize {
-        let holds = |at: u8| self.before >> at & 1 == 1;
-        let mut at = self.last;
-        loop {
-            at = match self.blames[at] {
-                Blame::Second(b) => usize::from(b),
-                Blame::First(a, b) => usize::from(if holds(a) { b } else { a }),
-                Blame::Itself => return at,
-            };
-        }
+        (held & looked_at != wanted).then(|| self.blames.of(letter, held))
     }
 
     /// Where it is, apart from dates: two with the same answer to this will judge alike if the
@@ -129,6 +123,37 @@ impl Judge {
     pub fn place(&self) -> (u64, Vec<bool>, Vec<u32>) {
         let any = self.pasts.iter().map(Past::any).collect();
         (self.before & self.asked, any, self.running.to_vec())
+    }
+}
+
+impl Blames {
+    /// The smallest part because of which the last one does not hold, as far as one is to blame.
+    #[cold]
+    fn of(&self, letter: usize, held: u64) -> usize {
+        let values = self.values.get(letter).map_or(&[][..], Vec::as_slice);
+        let mut at = self.parts.len() - 1;
+        loop {
+            at = match self.parts[at] {
+                Part::Implies(_, b) => b,
+                Part::And(a, b) if self.holds(values, held, a) => b,
+                Part::And(a, _) => a,
+                _ => return at,
+            };
+        }
+    }
+
+    fn holds(&self, values: &[Value], held: u64, at: usize) -> bool {
+        match values[at] {
+            Value::Known(holds) => holds,
+            Value::Same(other, negated) => match self.parts[other] {
+                // Nobody computes it if only its parts are asked for.
+                Part::And(a, b) => {
+                    let all = self.holds(values, held, a) && self.holds(values, held, b);
+                    all != negated
+                }
+                _ => (held >> other & 1 == 1) != negated,
+            },
+        }
     }
 }
 
@@ -280,11 +305,42 @@ mod tests {
         };
         let counts = |more: Vec<Part>| {
             let judge = Judge::new(&Program::new(parts(more)).unwrap());
-            judge.heard.iter().map(|(begin, end, _)| end - begin).collect::<Vec<_>>()
+            judge.heard.iter().map(|one| one.end - one.begin).collect::<Vec<_>>()
         };
-        // `b -> once[0, 9] a`: `a` is noted, and asked for at `b`.
-        assert_eq!(counts(vec![Part::Once(within, 0), Part::Implies(1, 2)]), [1, 2]);
+        // `b -> once[0, 9] a`: `a` is noted, and looked up at `b`.
+        assert_eq!(counts(vec![Part::Once(within, 0), Part::Implies(1, 2)]), [1, 1]);
         // `a -> once[0, 9] a` always holds.
         assert_eq!(counts(vec![Part::Once(within, 0), Part::Implies(0, 2)]), [0, 0]);
+        // Of what always or never happens, the past is known: `a or b` is all that is heard.
+        assert_eq!(counts(vec![Part::Or(0, 1), Part::Historically(within, 2)]), [0, 0]);
+        // `(b -> previous a) and (b -> once[0, 9] a)`: what holds where another part does takes no
+        // step, nor do the two together.
+        let both = vec![
+            Part::Previous(0),
+            Part::Implies(1, 2),
+            Part::Once(within, 0),
+            Part::Implies(1, 4),
+            Part::And(3, 5),
+        ];
+        assert_eq!(counts(both), [1, 2]);
+    }
+
+    #[test]
+    fn a_formula_that_asks_for_a_part_and_for_its_contrary_never_holds() {
+        let parts = vec![
+            Part::Happens(vec![happening(0)]),
+            Part::Previous(0),
+            Part::Runs(ServiceIx::new(0)),
+            Part::And(1, 2),
+            Part::Not(1),
+            Part::And(3, 4),
+        ];
+        let parts = parts.into_iter().map(|part| (part, String::new())).collect();
+        let program = Program::new(parts).unwrap();
+        let (mut judge, heard) = (Judge::new(&program), program.hears());
+        for (what, at) in [2, 0, 0, 3, 2].into_iter().zip(0u64..) {
+            let letter = heard.iter().position(|one| *one == happening(what)).unwrap();
+            assert!(judge.hear(letter, at).is_some(), "{at}");
+        }
     }
 }

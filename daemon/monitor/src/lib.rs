@@ -12,6 +12,7 @@ mod place;
 mod program;
 mod sequence;
 mod steps;
+mod value;
 
 pub use happening::{Happening, Hearers, Numbers};
 pub use judge::Judge;
