@@ -20,6 +20,7 @@ pub(super) const ARROWS: &[(&str, &[&str])] = &[
     ("genom-example", BACKEND),
     ("genom-shm", BACKEND),
     ("genom-zenoh", BACKEND),
+    ("genom-yarp", BACKEND),
     ("genom-gateway", BACKEND),
     ("genom-ros2", ROS2),
     ("genom-rtps-guard", &["genom-kit"]),
