@@ -1,7 +1,6 @@
 /*
  * A middleware in a library of its own: a board in memory, on which components of one process
- * exchange samples. docs/plugins.md explains it.
- */
+ * exchange samples. docs/plugins.md explains it. */
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -47,8 +46,7 @@ static genom_mw_code find(genom_mw_backend *backend, const genom_mw_port *wanted
   int differs = strcmp(port->digest, digest);
   free(digest);
   if (!differs) return GENOM_MW_OK;
-  error->len = (size_t)snprintf(error->text, error->room, "%s (digest %s)", port->type,
-                                port->digest);
+  error->len = (size_t)snprintf(error->text, error->room, "%s (%s)", port->type, port->digest);
   return GENOM_MW_TYPE_MISMATCH;
 }
 
@@ -65,8 +63,7 @@ static void leave(struct port *port)
 static genom_mw_code board_open(const genom_mw_host *given, genom_mw_str options,
                                 genom_mw_backend **backend, genom_mw_error *error)
 {
-  (void)error; /* whatever the options are, they name a board */
-  host = given;
+  (void)error, host = given; /* whatever the options are, they name a board */
   *backend = malloc(sizeof **backend);
   (*backend)->board = copy(options);
   return GENOM_MW_OK;
@@ -115,8 +112,7 @@ static void board_close_publisher(genom_mw_publisher *publisher)
 }
 
 static genom_mw_code board_subscription(genom_mw_backend *backend, const genom_mw_port *wanted,
-                                        void *to, genom_mw_subscription **made,
-                                        genom_mw_error *error)
+                                   void *to, genom_mw_subscription **made, genom_mw_error *error)
 {
   struct port *port;
   pthread_mutex_lock(&lock);

@@ -71,19 +71,11 @@ impl Library {
             }
             Err(why) => return Err(why),
         };
-        tracing::info!(
-            "middleware {} ({}) is in {}, version {}.{} of the table",
-            library.name,
-            library.version,
-            library.path.display(),
-            library.table.major,
-            library.table.minor,
-        );
         open.push(library);
         Ok(library)
     }
 
-    /// The middleware of a table that is part of this program.
+    /// The middleware of a table that is part of this program, as it is in tests.
     ///
     /// # Errors
     /// The table is not complete.
@@ -134,7 +126,11 @@ impl Library {
     /// # Errors
     /// What the library says.
     pub fn middleware(&'static self, options: &str) -> Result<Arc<dyn Middleware>, LibraryError> {
-        Ok(Arc::new(Open::new(self, options)?))
+        let open = Open::new(self, options)?;
+        let Plugin { major, minor, .. } = self.table;
+        let (name, version, path) = (&self.name, &self.version, self.path.display());
+        tracing::info!("opened {name} ({version}) of {path}, table {major}.{minor}");
+        Ok(Arc::new(open))
     }
 
     /// Name in configurations and commands.

@@ -1,4 +1,7 @@
-//! The example passes the conformance suite through the table.
+//! Two examples pass the conformance suite through the table: one in Rust and one in C, which is
+//! compiled and opened as a user does.
+
+mod built;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -23,5 +26,12 @@ genom_conformance::conformance! {
             let library = Library::built_in(&TABLE).expect("a table");
             library.middleware(&options).expect("a thread")
         }
-    }
+    },
+    plugin_in_c: {
+        let options = format!("{{\"board\": \"{}\"}}", board());
+        move || -> Arc<dyn Middleware> {
+            let library = Library::open(&built::BOARD.path).expect("a middleware");
+            library.middleware(&options).expect("it opens")
+        }
+    },
 }
