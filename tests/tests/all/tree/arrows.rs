@@ -22,6 +22,9 @@ pub(super) const ARROWS: &[(&str, &[&str])] = &[
     ("genom-zenoh", BACKEND),
     ("genom-yarp", BACKEND),
     ("genom-gateway", BACKEND),
+    ("genom-plugin-abi", MIDDLEWARE),
+    ("genom-plugin", &["genom-middleware", "genom-plugin-abi", "genom-types"]),
+    ("genom-plugin-host", PLUGIN_HOST),
     ("genom-ros2", ROS2),
     ("genom-rtps-guard", &["genom-kit"]),
     ("genom-rosidl", &["genom-types"]),
@@ -225,6 +228,8 @@ const TELEMETRY: &[&str] = &[
     "genom-supervisor",
 ];
 const MIDDLEWARE: &[&str] = &["genom-middleware", "genom-types"];
+const PLUGIN_HOST: &[&str] =
+    &["genom-kit", "genom-middleware", "genom-plugin-abi", "genom-types"];
 const BACKEND: &[&str] = &["genom-kit", "genom-middleware", "genom-types"];
 const ROS2: &[&str] =
     &["genom-kit", "genom-middleware", "genom-rosidl", "genom-rtps-guard", "genom-types"];
