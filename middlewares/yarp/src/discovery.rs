@@ -9,7 +9,7 @@ use crate::backend::Yarp;
 use crate::core::Core;
 use crate::error::{BACKEND, NameError};
 use crate::mark::{self, Mark};
-use crate::names::Contact;
+use crate::names::{Contact, is_name};
 use crate::services::RPC;
 
 impl Core {
@@ -40,7 +40,7 @@ impl Core {
         drop(known);
         let mut ends = Vec::new();
         for contact in &listed {
-            let is_port = contact.name.starts_with('/') && contact.carrier == "tcp";
+            let is_port = is_name(&contact.name) && contact.carrier == "tcp";
             if !is_port || contact.name == self.settings.namespace {
                 continue;
             }

@@ -36,9 +36,6 @@ impl Inbox {
         };
         // The mailbox counts samples for which it has no space.
         let _ = self.mailbox.put(copy);
-        if let Some(told) = self.told.get() {
-            told();
-        }
     }
 }
 
@@ -56,7 +53,8 @@ pub(crate) struct InPort {
 
 #[derive(Default)]
 struct State {
-    readers: Vec<Arc<Inbox>>,
+    /// Replaced as a whole, so that they can be told without the lock.
+    readers: Arc<Vec<Arc<Inbox>>>,
     /// Names of those who are connected, by the numbers of their connections.
     senders: HashMap<u64, String>,
     /// The last sample in CDR, and the connection that it came from: a reader that comes later
@@ -86,11 +84,11 @@ impl InPort {
         if state.last_from.is_some() {
             inbox.put(&state.last);
         }
-        state.readers.push(Arc::clone(inbox));
+        Arc::make_mut(&mut state.readers).push(Arc::clone(inbox));
     }
 
     pub(crate) fn leave(&self, inbox: &Arc<Inbox>) {
-        self.lock().readers.retain(|other| !Arc::ptr_eq(other, inbox));
+        Arc::make_mut(&mut self.lock().readers).retain(|other| !Arc::ptr_eq(other, inbox));
     }
 
     /// A writer has connected.
@@ -123,6 +121,10 @@ impl InPort {
             Ok(()) => {
                 *last_from = Some(token);
                 readers.iter().for_each(|reader| reader.put(last));
+                let readers = Arc::clone(readers);
+                // Those who are told may close what they read.
+                drop(state);
+                readers.iter().filter_map(|reader| reader.told.get()).for_each(|told| told());
             }
             Err(misfit) => {
                 *last_from = None;

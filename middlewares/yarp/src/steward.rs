@@ -14,6 +14,9 @@ use crate::wire::Carrier;
 /// Time between two looks for out ports, and whether the name server is there.
 const LOOK: Duration = Duration::from_millis(500);
 
+/// Time until one that was asked for: many who ask at once cost one.
+const SOON: Duration = Duration::from_millis(20);
+
 /// With that many in ports without an out port, one list is asked for instead.
 const LISTED: usize = 16;
 
@@ -39,7 +42,11 @@ pub(crate) fn run(jobs: &Receiver<Job>, core: &Weak<Core>) {
                 connect(&core, port, to, carrier, answer);
                 continue;
             }
-            Ok(Job::Look) | Err(RecvTimeoutError::Timeout) => {}
+            Ok(Job::Look) => {
+                due = due.min(Instant::now() + SOON);
+                continue;
+            }
+            Err(RecvTimeoutError::Timeout) => {}
             Ok(Job::End) | Err(RecvTimeoutError::Disconnected) => return,
         }
         look(&core, &mut absent);

@@ -94,6 +94,12 @@ fn dial(at: SocketAddr) -> std::io::Result<TcpStream> {
 
 impl Reactor {
     pub(super) fn dial(&mut self, at: SocketAddr, mut purpose: Purpose) {
+        // A port that was closed meanwhile has a last sample, which is nobody's any more.
+        if let Purpose::Link { port, .. } = &purpose
+            && !self.sources.contains_key(&port.id)
+        {
+            return purpose.lost(Lost::Unreachable(format!("{} is closed", port.name)));
+        }
         if let Purpose::Link { port, to, carrier, answer } = &mut purpose
             && let Role::Out(out) = &port.role
         {

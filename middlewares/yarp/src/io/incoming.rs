@@ -244,7 +244,10 @@ impl Reactor {
                     true => format!("Welcome {name}\r\n").into_bytes(),
                     false => wire::frame(incoming.port.at.port().into()).to_vec(),
                 });
-                if let Role::In(port) = &incoming.port.role {
+                // What people and tools ask in text is no connection.
+                if let Role::In(port) = &incoming.port.role
+                    && !carrier.is_text()
+                {
                     port.connected(token, &name);
                 }
                 (incoming.name, incoming.carrier) = (name, carrier);

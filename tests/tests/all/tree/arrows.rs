@@ -21,6 +21,7 @@ pub(super) const ARROWS: &[(&str, &[&str])] = &[
     ("genom-shm", BACKEND),
     ("genom-zenoh", BACKEND),
     ("genom-yarp", BACKEND),
+    ("genomd-yarp", &["genom-plugin", "genom-yarp"]),
     ("genom-gateway", BACKEND),
     ("genom-plugin-abi", MIDDLEWARE),
     ("genom-plugin", &["genom-middleware", "genom-plugin-abi", "genom-types"]),
