@@ -17,6 +17,8 @@ const UNSAFE: &[&str] = &[
     "genom-plugin-abi",
     "genom-plugin-host",
     "genom-plugin",
+    // Exporting the table needs an unsafe attribute.
+    "genom-plugin-zenoh",
     "genom",
     "genom-allocations",
     // What runners call, and what that for Lua does with it, in one module each.
