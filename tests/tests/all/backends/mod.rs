@@ -3,6 +3,7 @@
 mod cold_starts;
 mod forged;
 mod lifecycle;
+mod plugins;
 mod ros2_peers;
 mod simulated_time;
 mod stalled;
