@@ -168,7 +168,7 @@ impl Desk {
         for (name, entry) in &*lock(&self.services) {
             let inputs = members(&entry.ty.input);
             let outputs = members(&entry.ty.output);
-            let arrow = if outputs.is_empty() { "" } else { " -> " };
+            let arrow = if outputs.is_empty() { "" } else { " ->" };
             let kind = match entry.ty.kind {
                 ServiceKind::Attribute => "attribute",
                 ServiceKind::Function => "function",

@@ -18,7 +18,6 @@ const UNSAFE: &[&str] = &[
     "genom-plugin-host",
     "genom-plugin",
     // Exporting the table needs an unsafe attribute.
-    // Exporting the table needs an unsafe attribute.
     "genom-plugin-zenoh",
     "genomd-yarp",
     "genom",
