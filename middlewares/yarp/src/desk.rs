@@ -119,7 +119,10 @@ impl Desk {
                     Some(Item::Int(number)) => number as u64,
                     _ => return Err(error(format!("write `{word} SERVICE NUMBER`"))),
                 };
-                let entry = self.find(&name).ok_or_else(|| self.nobody(&name))?;
+                let Some(entry) = self.find(&name) else {
+                    // Who follows an activity began it before the service went.
+                    return Err(if word == words::WAIT { gone() } else { self.nobody(&name) });
+                };
                 if word == words::WAIT {
                     return self.wait(to, (entry.name.clone(), number));
                 }

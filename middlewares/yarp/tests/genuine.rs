@@ -50,7 +50,7 @@ fn yarp_connect_and_disconnect_work_on_an_out_port_with_each_carrier() {
     let yarp = place.open();
     let mut writer = yarp.publisher(&PortSpec::new(&position(), &state())).unwrap();
     let peer = place.peer(&["read", "/r"]);
-    eventually("the reader is there", || !place.leftovers().iter().all(|name| name != "/r"));
+    eventually("the reader is there", || place.prints(&["ping", "/r"]).contains("This is"));
     for (n, carrier) in [(1, "tcp"), (2, "fast_tcp"), (3, "tcp")] {
         let said = place.prints(&["connect", "/demo/position", "/r", carrier]);
         assert!(said.contains("Success: Added connection from /demo/position to"), "{said}");
