@@ -24,6 +24,7 @@ headers! {
     "genom3/c++/exception.h"
     "genom3/c++/idloptional.h"
     "genom3/c++/idlsequence.h"
+    "genom3/middleware.h"
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ pub mod peer;
 pub mod python;
 mod recipe;
 pub mod ros2;
+pub mod yarp;
 
 use std::fs::File;
 use std::path::{Path, PathBuf};

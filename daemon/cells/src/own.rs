@@ -235,6 +235,7 @@ pub fn limit(file: &Path, config: &Config) -> Result<Vec<String>, OwnLimitError>
     }
     let program = std::env::current_exe().ok();
     let own = program.into_iter().chain(genom_host::interpreter::reads());
+    let own = own.chain(config.plugin_libraries());
     let read = config.path.iter().chain(&config.include).cloned().chain(own).collect();
     let mut write = genom_registry::places(&config.backends);
     write.push(place.to_owned());

@@ -61,6 +61,9 @@ pub enum UsageError {
     /// A name in `[gateways]`.
     #[error("gateways.of: {0}")]
     Gateway(String),
+    /// A middleware is unknown, or a library is none.
+    #[error(transparent)]
+    Backend(#[from] genom_registry::BackendError),
     /// The delay of `[gateways]`.
     #[error("gateways.restart_delay_max = {value}: {least} to {most} seconds")]
     GatewayDelay { value: f64, least: f64, most: f64 },

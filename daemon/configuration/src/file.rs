@@ -8,7 +8,7 @@ use genom_protocol::{
     BackendNames, CallEntry, ClockKind, ConnectionEntry, Deployment, ExecutionKind, LoadRequest,
     Place,
 };
-use genom_registry::{Sections, check};
+use genom_registry::{BackendError, LIBRARY, Sections};
 use genom_runtime::{ACTIVITY_LIMIT, STUCK_AFTER};
 use serde::{Deserialize, Serialize};
 
@@ -24,6 +24,7 @@ use crate::lifecycle::LifecycleSection;
 use crate::limits::CellLimits;
 use crate::offers::Offers;
 use crate::overrides;
+use crate::plugins;
 use crate::recordings::RecordingsSection;
 use crate::reload::ReloadSection;
 use crate::rpc::Rpc;
@@ -205,6 +206,9 @@ impl Config {
         for program in commands.filter(|program| program.contains('/')) {
             *program = base.join(&program).to_string_lossy().into_owned();
         }
+        for section in self.backends.values_mut() {
+            *section = plugins::anchored(section, path);
+        }
         self.rpc.token_file.iter_mut().for_each(|file| anchor(base, file));
         if let Some(tls) = &mut self.rpc.tls {
             let files = [&mut tls.cert, &mut tls.key].into_iter().chain(&mut tls.client_ca);
@@ -320,6 +324,39 @@ impl Config {
         toml::from_str(text).map_err(|error| mistake(path, text, &error))
     }
 
+    /// The names of middlewares in it.
+    fn backend_names(&self) -> Vec<String> {
+        let of_components = self.component.iter().flat_map(|component| {
+            let named = component.backend.iter().chain(component.ports.values());
+            named.flat_map(BackendNames::names)
+        });
+        let of_connections = self.connection.iter().flat_map(|one| {
+            let place: Option<Place> = one.outport.parse().ok();
+            one.backend.clone().into_iter().chain(place.and_then(|place| place.backend))
+        });
+        let all = std::iter::once(&self.backend).chain(self.backends.keys());
+        all.chain(of_components).cloned().chain(of_connections).collect()
+    }
+
+    /// Finds the libraries of middlewares that it names, also the one whose path is `backend`. Only
+    /// the start of a daemon does so: requests name what is known by then.
+    ///
+    /// # Errors
+    /// A middleware is unknown, or its library is none.
+    pub fn find_plugins(&mut self) -> Result<(), BackendError> {
+        if self.backend.contains('/') {
+            self.backend = genom_registry::of_path(Path::new(&self.backend))?.name.to_owned();
+        }
+        let used = self.backend_names();
+        plugins::find(&used, &mut self.backends, &mut self.gateways, &mut self.services)
+    }
+
+    /// Where libraries of middlewares are.
+    pub fn plugin_libraries(&self) -> impl Iterator<Item = PathBuf> {
+        let libraries = self.backends.values().filter_map(|section| section.get(LIBRARY));
+        libraries.filter_map(toml::Value::as_str).map(PathBuf::from)
+    }
+
     /// Checks the log filter, the names of middlewares, their options, and that no in port is
     /// connected twice. Errors carry the line.
     pub fn check(&self, path: &Path, text: &str) -> Result<(), ConfigError> {
@@ -336,17 +373,8 @@ impl Config {
             let path = path.to_owned();
             return Err(ConfigError::Mistake { path, line, message, nearest: None });
         }
-        let of_components = self.component.iter().flat_map(|component| {
-            let named = component.backend.iter().chain(component.ports.values());
-            named.flat_map(BackendNames::names)
-        });
-        let of_connections = self.connection.iter().flat_map(|one| {
-            let place: Option<Place> = one.outport.parse().ok();
-            one.backend.clone().into_iter().chain(place.and_then(|place| place.backend))
-        });
-        let all = std::iter::once(&self.backend).chain(self.backends.keys());
-        for name in all.chain(of_components).cloned().chain(of_connections) {
-            if let Err(error) = check(&name) {
+        for name in self.backend_names() {
+            if let Err(error) = genom_registry::has(&name, self.backends.get(&name)) {
                 let line =
                     text.lines().position(|line| holds_word(line, &name)).map_or(1, |at| at + 1);
                 let (path, message) = (path.to_owned(), error.to_string());

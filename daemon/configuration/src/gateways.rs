@@ -30,7 +30,9 @@ const DELAY: f64 = 0.25;
 
 impl Default for GatewaysSection {
     fn default() -> Self {
-        let all = genom_registry::known().iter().filter(|known| known.gateway);
+        // Those of libraries are added when they are found.
+        let all = genom_registry::known().iter();
+        let all = all.filter(|known| known.gateway && known.library().is_none());
         let of = all.map(|known| known.name.to_owned()).collect();
         Self { of, daemon: None, restart_delay_max: DELAY }
     }

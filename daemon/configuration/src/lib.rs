@@ -21,6 +21,7 @@ mod offers;
 mod overrides;
 mod pattern;
 pub mod place;
+mod plugins;
 mod recordings;
 mod reload;
 mod rpc;

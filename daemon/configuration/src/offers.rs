@@ -22,14 +22,24 @@ impl Default for Offers {
     /// By default the supervisor's services (`kill`, `connect_port` ...) are not offered on
     /// middlewares that leave the machine, where no right protects them.
     fn default() -> Self {
-        let on = |backend: &'static str| {
-            STANDARD_SERVICES.iter().map(move |(service, _)| format!("{backend}:*/{service}"))
-        };
-        Self { allow: vec!["*".to_owned()], deny: on("zenoh").chain(on("ros2")).collect() }
+        let deny = standard("zenoh").chain(standard("ros2")).collect();
+        Self { allow: vec!["*".to_owned()], deny }
     }
 }
 
+/// The supervisor's services on a middleware.
+fn standard(backend: &str) -> impl Iterator<Item = String> {
+    STANDARD_SERVICES.iter().map(move |(service, _)| format!("{backend}:*/{service}"))
+}
+
 impl Offers {
+    /// Extends the default to middlewares of libraries: who reaches them is not known.
+    pub(crate) fn guard(&mut self, plugins: &[&str]) {
+        if self.deny == Self::default().deny {
+            self.deny.extend(plugins.iter().flat_map(|name| standard(name)));
+        }
+    }
+
     /// Checks the form of the patterns.
     pub fn check(&self) -> Result<(), UsageError> {
         for pattern in self.allow.iter().chain(&self.deny) {
@@ -75,6 +85,17 @@ mod tests {
                 assert!(offers.offers("shm", "demo", service));
             }
         }
+    }
+
+    #[test]
+    fn a_middleware_of_a_library_is_guarded_unless_the_configuration_says_otherwise() {
+        let mut offers = Offers::default();
+        offers.guard(&["mine"]);
+        assert!(!offers.offers("mine", "demo", "kill") && offers.offers("mine", "demo", "goto"));
+        assert!(!offers.offers("zenoh", "demo", "kill"));
+        let mut own = Offers { deny: Vec::new(), ..Offers::default() };
+        own.guard(&["mine"]);
+        assert!(own.offers("mine", "demo", "kill"));
     }
 
     #[test]

@@ -24,7 +24,8 @@ pub(crate) struct Cli {
     /// component path (demo).
     #[arg(value_name = "LIB", value_hint = ValueHint::FilePath)]
     pub(crate) components: Vec<PathBuf>,
-    /// Default middleware of ports and services [default: local].
+    /// Default middleware of ports and services: its name, or the path of a library with one
+    /// [default: local].
     #[arg(long, short)]
     pub(crate) backend: Option<String>,
     /// Configuration file (TOML); configs/default.toml describes every key.

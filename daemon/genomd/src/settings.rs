@@ -57,7 +57,8 @@ pub(crate) struct Settings {
 impl Settings {
     /// Combines the configuration with the command line, and checks the result.
     pub(crate) fn new(cli: Cli, config: Config) -> Result<Self, UsageError> {
-        let config = cli.over(config);
+        let mut config = cli.over(config);
+        config.find_plugins()?;
         let rpc = RpcSettings::new(config.rpc.clone())?;
         let cells = CellSettings::new(&config.cells)?;
         config.check_limits()?;

@@ -73,7 +73,7 @@ impl Backends {
             let proxy = Proxy::open(known.name, reach.clone()).map_err(SectionError::refused)?;
             return Ok(Arc::new(proxy));
         }
-        (known.open)(self.options.get(known.name).unwrap_or(&toml::Table::new()))
+        known.open(self.options.get(known.name).unwrap_or(&toml::Table::new()))
     }
 
     /// Has a function called with each middleware that opens from now on.

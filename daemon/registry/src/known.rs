@@ -2,15 +2,16 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
-use std::path::PathBuf;
-use std::sync::Arc;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, PoisonError, RwLock};
 
 use genom_middleware::{Backend, Middleware, NoForeignName};
 use genom_nearest::{nearest, nearest_key};
+use genom_plugin_host::{Library, LibraryError};
 use serde::Deserialize;
 
-/// A middleware that this daemon was built with.
-#[derive(Clone, Copy, Debug)]
+/// A middleware that this daemon was built with, or found in a library.
+#[derive(Clone, Copy)]
 pub struct Known {
     /// Its name, as given to `--backend`.
     pub name: &'static str,
@@ -18,30 +19,81 @@ pub struct Known {
     pub version: &'static str,
     /// Whether it can be opened in a process of its own.
     pub gateway: bool,
-    /// Checks its section of the configuration, without opening anything.
-    pub(crate) check: fn(&toml::Table) -> Result<(), SectionError>,
-    /// Where it makes files, with its section of the configuration.
-    pub(crate) places: fn(&toml::Table) -> Result<Vec<PathBuf>, SectionError>,
-    /// Opens it with its section of the configuration.
-    pub(crate) open: fn(&toml::Table) -> Result<Arc<dyn Middleware>, SectionError>,
+    source: Source,
+}
+
+/// Where a middleware is.
+#[derive(Clone, Copy)]
+enum Source {
+    BuiltIn {
+        check: fn(&toml::Table) -> Result<(), SectionError>,
+        places: fn(&toml::Table) -> Result<Vec<PathBuf>, SectionError>,
+        open: fn(&toml::Table) -> Result<Arc<dyn Middleware>, SectionError>,
+    },
+    Plugin(&'static Library),
 }
 
 impl Known {
     const fn of<B: Backend>() -> Self {
-        Self {
-            name: B::NAME,
-            version: B::VERSION,
-            gateway: B::GATEWAY,
+        let source = Source::BuiltIn {
             check: |section| B::check(&read(section)?).map_err(SectionError::refused),
             places: |section| Ok(B::places(&read(section)?)),
             open: |section| B::open(read(section)?).map_err(SectionError::refused),
+        };
+        Self { name: B::NAME, version: B::VERSION, gateway: B::GATEWAY, source }
+    }
+
+    pub(crate) fn plugin(library: &'static Library) -> Self {
+        Self {
+            name: library.name(),
+            version: library.version(),
+            gateway: library.wants_gateway(),
+            source: Source::Plugin(library),
+        }
+    }
+
+    /// Where the library is that it was found in, if it is not part of this daemon.
+    #[must_use]
+    pub fn library(&self) -> Option<&'static Path> {
+        match self.source {
+            Source::BuiltIn { .. } => None,
+            Source::Plugin(library) => Some(library.path()),
+        }
+    }
+
+    /// Checks its section of the configuration, without opening anything. A plugin checks it when
+    /// it is opened.
+    pub(crate) fn check(&self, section: &toml::Table) -> Result<(), SectionError> {
+        match self.source {
+            Source::BuiltIn { check, .. } => check(section),
+            Source::Plugin(_) => Ok(()),
+        }
+    }
+
+    /// Where it makes files, with its section of the configuration.
+    fn places(&self, section: &toml::Table) -> Result<Vec<PathBuf>, SectionError> {
+        match self.source {
+            Source::BuiltIn { places, .. } => places(section),
+            Source::Plugin(_) => Ok(Vec::new()),
+        }
+    }
+
+    /// Opens it with its section of the configuration.
+    pub(crate) fn open(&self, section: &toml::Table) -> Result<Arc<dyn Middleware>, SectionError> {
+        match self.source {
+            Source::BuiltIn { open, .. } => open(section),
+            Source::Plugin(library) => {
+                let options = options(section)?;
+                library.middleware(&options).map_err(SectionError::refused)
+            }
         }
     }
 }
 
 macro_rules! backends {
     ($($name:ident: $backend:ty),+ $(,)?) => {
-        static KNOWN: &[Known] = &[$(Known::of::<$backend>()),+];
+        /// The middlewares that are part of this daemon.
+        pub(crate) static BUILT_IN: &[Known] = &[$(Known::of::<$backend>()),+];
 
         #[derive(Debug, Default, Deserialize)]
         #[serde(default)]
@@ -60,16 +112,52 @@ backends! {
     ros2: genom_ros2::Ros2,
 }
 
-/// The middlewares this daemon was built with.
+/// The key of `[backends.NAME]` that says where its library is.
+pub const LIBRARY: &str = "library";
+
+/// Those that are part of this daemon, and those that were added. Replaced as a whole, and never
+/// freed: each library is added once.
+static ALL: RwLock<&'static [Known]> = RwLock::new(&[]);
+
+/// The middlewares this daemon was built with, and those of libraries that were named when it
+/// started.
 pub fn known() -> &'static [Known] {
-    KNOWN
+    match *ALL.read().unwrap_or_else(PoisonError::into_inner) {
+        [] => BUILT_IN,
+        all => all,
+    }
+}
+
+/// Adds that of a library, unless it is there already.
+pub(crate) fn add(library: &'static Library) -> Result<Known, BackendError> {
+    let new = Known::plugin(library);
+    let mut all = ALL.write().unwrap_or_else(PoisonError::into_inner);
+    let before = if all.is_empty() { BUILT_IN } else { *all };
+    if let Some(known) = before.iter().find(|known| known.name == new.name) {
+        if known.library() == new.library() {
+            return Ok(*known);
+        }
+        let (path, name) = (library.path().to_owned(), new.name.to_owned());
+        let other = known.library().map(|library| library.display().to_string());
+        let other = other.unwrap_or_else(|| "one of its own".to_owned());
+        return Err(BackendError::NameTaken { path, name, other });
+    }
+    *all = Box::leak([before, &[new]].concat().into_boxed_slice());
+    Ok(new)
+}
+
+/// The options of a plugin: its section without the key that is not its own.
+fn options(section: &toml::Table) -> Result<String, SectionError> {
+    let mut section = section.clone();
+    section.remove(LIBRARY);
+    serde_json::to_string(&section).map_err(SectionError::refused)
 }
 
 /// Directories in which middlewares make files on this machine, with these sections of the
 /// configuration.
 pub fn places(sections: &BTreeMap<String, toml::Table>) -> Vec<PathBuf> {
     let none = toml::Table::new();
-    let of = |known: &Known| (known.places)(sections.get(known.name).unwrap_or(&none));
+    let of = |known: &Known| known.places(sections.get(known.name).unwrap_or(&none));
     // A section that cannot be read is reported when the configuration is checked.
     known().iter().filter_map(|known| of(known).ok()).flatten().collect()
 }
@@ -117,8 +205,17 @@ fn suggestion(nearest: Option<&str>) -> String {
 #[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum BackendError {
     /// There is no middleware of that name.
-    #[error("unknown backend `{name}`{}. This daemon knows: {}", meant(.name), names())]
+    #[error("unknown backend `{name}`{}. This daemon knows: {}{}", meant(.name), names(), named(.name))]
     Unknown { name: String },
+    /// There is a library under its name, or it was named, and it is no middleware.
+    #[error("no backend `{name}`: {why}")]
+    Library { name: String, why: LibraryError },
+    /// The library has another middleware than its name says, or than it was named for.
+    #[error("{path} has a middleware named `{found}`, not `{name}`: write `{found}`, or rename it")]
+    OtherName { path: PathBuf, found: String, name: String },
+    /// The library has a name that is taken.
+    #[error("{path} has a middleware named `{name}`, and this daemon has one already: {other}")]
+    NameTaken { path: PathBuf, name: String, other: String },
     /// Its section of the configuration is not valid.
     #[error("[backends.{name}]: {why}")]
     Options { name: String, why: SectionError },
@@ -137,6 +234,17 @@ fn meant(name: &str) -> String {
     nearest(name, known().iter().map(|known| known.name))
         .map(|near| format!(" (did you mean `{near}`?)"))
         .unwrap_or_default()
+}
+
+/// What to do about a library, which a daemon opens only when it is named at its start.
+fn named(name: &str) -> &'static str {
+    match name.contains('/') || name.ends_with(".so") {
+        true => {
+            ". A library is named when a daemon starts: `genomd --backend PATH`, or `library` in \
+             [backends.NAME]"
+        }
+        false => "",
+    }
 }
 
 fn names() -> String {
@@ -170,7 +278,7 @@ pub fn check(name: &str) -> Result<Known, BackendError> {
 pub fn check_options(options: &BTreeMap<String, toml::Table>) -> Result<(), BackendError> {
     for (name, section) in options {
         let wrong = |why| BackendError::Options { name: name.clone(), why };
-        (check(name)?.check)(section).map_err(wrong)?;
+        check(name)?.check(section).map_err(wrong)?;
     }
     Ok(())
 }
@@ -226,5 +334,12 @@ mod tests {
             assert!(error.contains("unknown field `no_such_key`"), "{error}");
             assert!(check_options(&[((*name).to_owned(), toml::Table::new())].into()).is_ok());
         }
+    }
+
+    #[test]
+    fn options_of_a_plugin_are_its_section_in_json() {
+        let section: toml::Table =
+            toml::from_str("library = 'x'\nport = 7\nhosts = ['a']").unwrap();
+        assert_eq!(options(&section).unwrap(), r#"{"hosts":["a"],"port":7}"#);
     }
 }

@@ -17,7 +17,7 @@ use tracing_subscriber::util::{SubscriberInitExt as _, TryInitError};
 use tracing_subscriber::{EnvFilter, Layer};
 
 /// The crates that a filter for `genomd` includes: to users they are one program.
-const PARTS: [&str; 10] = [
+const PARTS: [&str; 11] = [
     "genomd",
     "genom_cells",
     "genom_systemd",
@@ -26,6 +26,7 @@ const PARTS: [&str; 10] = [
     "genom_web",
     "genom_supervisor",
     "genom_ports",
+    "genom_plugin_host",
     "genom_registry",
     "genom_configuration",
 ];

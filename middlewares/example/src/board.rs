@@ -1,7 +1,7 @@
 //! Replaces a network: a shared board through which participants of one process exchange samples.
 
 use std::collections::{BTreeMap, HashMap};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
 
 use genom_kit::mailbox::Mailbox;
 use genom_middleware::describe::type_of_port;
@@ -23,6 +23,8 @@ pub(crate) struct Port {
 /// The samples that one reader has not read yet.
 pub(crate) struct Inbox {
     pub(crate) mailbox: Mailbox,
+    /// Told of each sample.
+    pub(crate) told: OnceLock<Box<dyn Fn() + Send + Sync>>,
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -37,6 +39,7 @@ impl Inbox {
         };
         // The mailbox counts samples for which it has no space.
         let _ = self.mailbox.put(copy);
+        self.told.get().into_iter().for_each(|told| told());
     }
 }
 

@@ -6,7 +6,7 @@
 mod board;
 
 use std::io;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use genom_kit::intake::{Intake, Keeping};
 use genom_kit::mailbox::Mailbox;
@@ -114,7 +114,7 @@ impl Ports for Example {
     ) -> Result<Box<dyn Subscription>, OpenError> {
         let Keeping { depth, full, counts } = Keeping::of(policy, Self::NAME, port.ty)?;
         let mailbox = Mailbox::new(depth, port.ty.size() * 2 + 64, full);
-        let inbox = Arc::new(Inbox { mailbox });
+        let inbox = Arc::new(Inbox { mailbox, told: OnceLock::new() });
         self.0.board.open(port, |port| {
             port.join(&inbox);
             Ok(())
@@ -163,6 +163,10 @@ impl Subscription for In {
     fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
         let mailbox = &self.inbox.mailbox;
         self.intake.read(into, |decode| mailbox.take(|sample| decode(sample)))
+    }
+
+    fn on_arrival(&mut self, told: Box<dyn Fn() + Send + Sync>) -> bool {
+        self.inbox.told.set(told).is_ok()
     }
 
     fn dropped(&self) -> u64 {

@@ -14,6 +14,7 @@ mod call;
 mod cells;
 mod check;
 mod completion;
+mod conformance;
 mod connect;
 mod connections;
 mod context;
@@ -123,6 +124,7 @@ pub(crate) enum Verb {
     Backend(backend::Args),
     Backends(backends::Args),
     Bench(bench::Args),
+    Conformance(conformance::Args),
     Why(why::Args),
     Doctor(doctor::Args),
     Kill(kill::Args),
@@ -212,6 +214,7 @@ pub(crate) async fn run(
         Verb::Backend(args) => backend::run(args, session).await,
         Verb::Backends(args) => backends::run(args, session).await,
         Verb::Bench(args) => bench::run(args, session).await,
+        Verb::Conformance(args) => conformance::run(&args, session),
         Verb::Why(args) => why::run(args, session).await,
         Verb::Doctor(args) => doctor::run(args, session).await,
         Verb::Kill(args) => kill::run(args, session).await,

@@ -5,6 +5,7 @@ mod container;
 mod forged;
 mod hiroz;
 mod lifecycle;
+mod plugins;
 mod remapped;
 mod ros2_peers;
 mod simulated_time;

@@ -20,7 +20,13 @@ pub(super) const ARROWS: &[(&str, &[&str])] = &[
     ("genom-example", BACKEND),
     ("genom-shm", BACKEND),
     ("genom-zenoh", BACKEND),
+    ("genom-yarp", BACKEND),
+    ("genomd-yarp", &["genom-plugin", "genom-yarp"]),
     ("genom-gateway", BACKEND),
+    ("genom-plugin-abi", MIDDLEWARE),
+    ("genom-plugin", &["genom-middleware", "genom-plugin-abi", "genom-types"]),
+    ("genom-plugin-host", PLUGIN_HOST),
+    ("genom-plugin-zenoh", &["genom-plugin", "genom-zenoh"]),
     ("genom-ros2", ROS2),
     ("genom-rtps-guard", &["genom-kit"]),
     ("genom-rosidl", &["genom-types"]),
@@ -161,6 +167,7 @@ const PROJECT: &[&str] =
 const GENOMCTL: &[&str] = &[
     "genom-apart",
     "genom-comparison",
+    "genom-conformance",
     "genom-description",
     "genom-description-tools",
     "genom-doctor",
@@ -168,6 +175,8 @@ const GENOMCTL: &[&str] = &[
     "genom-formal",
     "genom-genom3",
     "genom-lsp",
+    "genom-middleware",
+    "genom-plugin-host",
     "genom-project",
     "genom-proof",
     "genom-protocol",
@@ -195,6 +204,7 @@ const BACKENDS: &[&str] = &[
     "genom-local",
     "genom-middleware",
     "genom-nearest",
+    "genom-plugin-host",
     "genom-ros2",
     "genom-shm",
     "genom-zenoh",
@@ -234,6 +244,8 @@ const TELEMETRY: &[&str] = &[
     "genom-supervisor",
 ];
 const MIDDLEWARE: &[&str] = &["genom-middleware", "genom-types"];
+const PLUGIN_HOST: &[&str] =
+    &["genom-kit", "genom-middleware", "genom-plugin-abi", "genom-types"];
 const BACKEND: &[&str] = &["genom-kit", "genom-middleware", "genom-types"];
 const ROS2: &[&str] =
     &["genom-kit", "genom-middleware", "genom-rosidl", "genom-rtps-guard", "genom-types"];

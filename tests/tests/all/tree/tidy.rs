@@ -12,10 +12,10 @@ use super::arrows::{ARROWS, TOP};
 /// Modules of crates, each above all that it knows. A crate's first names may be those of crates
 /// below it.
 const FLOORS: &[(&str, &str)] = &[
-    ("registry", "known backends masquerade lib"),
+    ("registry", "known plugins backends masquerade lib"),
     (
         "configuration",
-        "error limits runners cells states crashes reload gateways pattern blackbox recordings levels place terms offers rpc web foxglove lifecycle container spot overrides file lib",
+        "error limits runners cells states crashes reload gateways pattern blackbox recordings levels place terms offers rpc web foxglove lifecycle container spot overrides plugins file lib",
     ),
     ("ports", "dates gauge key tape fan feeds tap lib"),
     (

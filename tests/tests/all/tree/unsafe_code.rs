@@ -13,6 +13,13 @@ const UNSAFE: &[&str] = &[
     "genom-kit",
     "genom-rtps-guard",
     "genom-shm",
+    // Middlewares in libraries of their own: the table, and its two sides.
+    "genom-plugin-abi",
+    "genom-plugin-host",
+    "genom-plugin",
+    // Exporting the table needs an unsafe attribute.
+    "genom-plugin-zenoh",
+    "genomd-yarp",
     "genom",
     "genom-allocations",
     // What runners call, and what that for Lua does with it, in one module each.

@@ -1,0 +1,54 @@
+//! What is visible on the middleware.
+
+use genom_middleware::{Address, DiscoverError, Discovery, Endpoint, Obstacle, Stranger};
+use genom_plugin_abi::Failure;
+use std::borrow::Cow;
+
+use crate::callbacks::lend;
+use crate::describe::address;
+use crate::given::Listing;
+use crate::middleware::Open;
+
+impl Open {
+    fn error(&self, failure: Failure) -> DiscoverError {
+        DiscoverError { backend: self.0.library.name().to_owned(), why: failure.why() }
+    }
+}
+
+impl Discovery for Open {
+    fn discover(&self) -> Result<Vec<Endpoint>, DiscoverError> {
+        let list = Listing::default();
+        let done = self.0.backend.discover(lend(&list));
+        done.map_err(|failure| self.error(failure))?;
+        Ok(list.into_listed().endpoints)
+    }
+
+    fn ends_at(&self, at: &Address) -> Result<Vec<Endpoint>, DiscoverError> {
+        let list = Listing::default();
+        if let Some(done) = self.0.backend.ends_at(address(at), lend(&list)) {
+            done.map_err(|failure| self.error(failure))?;
+            return Ok(list.into_listed().endpoints);
+        }
+        let wanted = self.spelled(at);
+        Ok(self.discover()?.into_iter().filter(|end| end.address == wanted).collect())
+    }
+
+    fn spelled(&self, at: &Address) -> String {
+        let listed = self.0.listed(|backend, list| backend.spelled(address(at), list));
+        listed.texts.into_iter().next().map_or_else(|| at.to_string(), |(spelled, _)| spelled)
+    }
+
+    fn strangers(&self) -> Vec<Stranger> {
+        let listed = self.0.listed(|backend, list| backend.strangers(list));
+        let stranger = |(name, role): (String, String)| match role.is_empty() {
+            true => Stranger::Reader { address: name },
+            false => Stranger::Session { name, role: Cow::Owned(role) },
+        };
+        listed.texts.into_iter().map(stranger).collect()
+    }
+
+    fn obstacles(&self, at: &Address) -> Vec<Obstacle> {
+        let listed = self.0.listed(|backend, list| backend.obstacles(address(at), list));
+        listed.texts.into_iter().map(|(what, fix)| Obstacle { what, fix }).collect()
+    }
+}

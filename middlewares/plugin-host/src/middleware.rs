@@ -1,0 +1,105 @@
+//! The middleware as a whole.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use genom_kit::sender::{Duty, Sender};
+use genom_middleware::{Capabilities, Discovery, Middleware, NoForeignName, Services};
+use genom_plugin_abi::table::can;
+
+use crate::callbacks::lend;
+use crate::calls::Handle;
+use crate::error::LibraryError;
+use crate::given::{Listed, Listing};
+use crate::library::Library;
+use crate::ports::Line;
+
+/// An open middleware of a library.
+pub(crate) struct Open(pub(crate) Arc<Core>);
+
+/// Shared by all its ends. Fields are dropped in order: the thread ends before the backend closes.
+pub(crate) struct Core {
+    pub(crate) sender: Sender<Nothing>,
+    pub(crate) backend: Handle,
+    pub(crate) can: u64,
+    pub(crate) library: &'static Library,
+}
+
+/// Duty of the sending thread beside sending: none.
+pub(crate) struct Nothing;
+
+impl Duty for Nothing {
+    type Line = Line;
+}
+
+impl Open {
+    pub(crate) fn new(library: &'static Library, options: &str) -> Result<Self, LibraryError> {
+        let backend = library.open_backend(options)?;
+        let can = backend.capabilities();
+        let sender = Sender::start(library.name(), true, Nothing)
+            .map_err(|error| LibraryError::Refused { why: error.to_string() })?;
+        Ok(Self(Arc::new(Core { sender, backend, can, library })))
+    }
+}
+
+impl Core {
+    pub(crate) fn can(&self, flag: u64) -> bool {
+        self.can & flag != 0
+    }
+
+    /// What a function lists.
+    pub(crate) fn listed(
+        &self,
+        by: impl FnOnce(&Handle, genom_plugin_abi::table::Opaque),
+    ) -> Listed {
+        let list = Listing::default();
+        by(&self.backend, lend(&list));
+        list.into_listed()
+    }
+}
+
+impl Middleware for Open {
+    fn name(&self) -> &'static str {
+        self.0.library.name()
+    }
+
+    fn capabilities(&self) -> Capabilities {
+        let can = |flag| self.0.can(flag);
+        Capabilities {
+            variable_size: can(can::VARIABLE),
+            zero_copy: false,
+            cross_process: can(can::CROSS_PROCESS),
+            cross_host: can(can::CROSS_HOST),
+            services: can(can::SERVICES),
+            native_services: can(can::SERVICES) && can(can::NATIVE_SERVICES),
+        }
+    }
+
+    fn services(&self) -> Option<&dyn Services> {
+        self.0.can(can::SERVICES).then_some(self)
+    }
+
+    fn discovery(&self) -> Option<&dyn Discovery> {
+        self.0.can(can::DISCOVERY).then_some(self)
+    }
+
+    fn meeting_point(&self) -> Vec<(Cow<'static, str>, String)> {
+        let listed = self.0.listed(|backend, list| backend.meeting_point(list));
+        listed.texts.into_iter().map(|(name, value)| (Cow::Owned(name), value)).collect()
+    }
+
+    fn masquerade(&self, ours: &str, foreign: &str) -> Result<(), NoForeignName> {
+        match self.0.backend.masquerade(ours, foreign) {
+            None => Ok(()),
+            Some(failure) => Err(NoForeignName {
+                ours: ours.to_owned(),
+                foreign: foreign.to_owned(),
+                form: Cow::Owned(failure.why()),
+            }),
+        }
+    }
+
+    fn unmask(&self, ours: &str) {
+        self.0.backend.unmask(ours);
+    }
+}

@@ -1,0 +1,44 @@
+//! Short conversations with ports of others: a request, and what comes back.
+
+use crate::wire::Carrier;
+
+/// A conversation. Its methods are called on the thread of connections, and do not block.
+pub(crate) trait Errand: Send {
+    /// The carrier of the connection.
+    fn carrier(&self) -> Carrier;
+
+    /// What is sent once the peer has greeted.
+    fn begin(&mut self) -> Vec<u8>;
+
+    /// Sees all bytes that have come and that no step has used up.
+    fn hear(&mut self, bytes: &[u8]) -> Step;
+
+    /// The connection broke, or never stood.
+    fn lost(self: Box<Self>, how: Lost);
+
+    /// Whether the peer may take any time for the next answer.
+    fn is_patient(&self) -> bool {
+        false
+    }
+}
+
+/// What a conversation does next.
+pub(crate) enum Step {
+    /// More has to come.
+    Wait,
+    /// So many bytes are used up; these are sent.
+    Send(usize, Vec<u8>),
+    /// The connection is closed.
+    Done,
+}
+
+/// How a conversation broke.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Lost {
+    /// Nobody listens there.
+    Nobody,
+    /// It could not begin, for another reason.
+    Unreachable(String),
+    /// The peer ended the connection.
+    Gone,
+}

@@ -1,0 +1,330 @@
+//! Ports: how they are opened, and their ends as the runtime sees them.
+
+use std::collections::HashMap;
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+
+use genom_kit::intake::{Intake, Keeping};
+use genom_kit::mailbox::Mailbox;
+use genom_kit::outlet::Outlet;
+use genom_kit::sender;
+use genom_middleware::describe::type_of_port;
+use genom_middleware::{
+    Address, OpenError, Policy, PortSpec, Ports, PublishError, Publisher, ReadError, Reading,
+    Subscription,
+};
+use genom_types::{DataType, Record};
+
+use crate::backend::Yarp;
+use crate::bottle::encode;
+use crate::core::{Core, Presence};
+use crate::error::{BACKEND, NameError};
+use crate::in_port::{InPort, Inbox};
+use crate::io::Command;
+use crate::mark::{self, Mark, Type};
+use crate::names::{Contact, is_name};
+use crate::out_port::OutPort;
+use crate::port::{Port, Role};
+use crate::steward::Asking;
+use crate::wire::{self, Purpose};
+
+/// Greatest number of unsent samples per out port and connection, and of bytes that they may take.
+const UNSENT: usize = 16;
+const UNSENT_BYTES: usize = 1 << 20;
+
+/// Size of a buffer for messages in CDR, which are seldom larger than the C layout.
+fn room(ty: &DataType) -> usize {
+    let size = ty.size();
+    if size <= 1 << 16 { size * 4 + 64 } else { size + size / 4 }
+}
+
+impl Core {
+    pub(crate) fn checked_name(&self, at: &Address) -> Result<String, OpenError> {
+        let name = self.name_of(at);
+        if is_name(&name) { Ok(name) } else { Err(self.failed(at, NameError::Name(name))) }
+    }
+
+    fn mismatch(&self, at: &Address, ours: &DataType, theirs: &Type) -> OpenError {
+        let (ours, theirs) = (type_of_port(ours), theirs.spelled.clone());
+        OpenError::TypeMismatch { address: at.clone(), ours, theirs }
+    }
+
+    /// What a port says of itself; `None` for one that is no genomd's.
+    fn mark_of(&self, contact: &Contact) -> Result<Option<Mark>, NameError> {
+        match self.own(&contact.name) {
+            Some(own) => Ok(Some(own)),
+            None => Ok(Mark::parse(&self.names.get(&contact.name, mark::PROPERTY)?)),
+        }
+    }
+
+    /// Refuses a name that another process has.
+    pub(crate) fn check_free(&self, at: &Address, name: &str) -> Result<(), OpenError> {
+        let found = self.names.query(name).map_err(|error| self.failed(at, error))?;
+        let Some(contact) = found else { return Ok(()) };
+        match self.presence(&contact) {
+            Presence::Here => Err(OpenError::Taken { address: at.clone() }),
+            Presence::Gone => {
+                tracing::info!(name, "a YARP name is taken over from a process that ended");
+                Ok(())
+            }
+            Presence::Silent => {
+                let (host, port) = (&contact.host, contact.port);
+                let why = format!(
+                    "the name server has {name} at {host}:{port}, where something listens that \
+                     does not answer: end it, or free the name (`yarp name unregister {name}`)"
+                );
+                Err(self.failed(at, why))
+            }
+        }
+    }
+
+    /// The in ports of others that read an out port. One of another type is an error.
+    fn waiting_for(&self, port: &PortSpec<'_>, name: &str) -> Result<Vec<Contact>, OpenError> {
+        let failed = |error| self.failed(port.address, error);
+        let readers = self.names.list(&Core::readers_of(name)).map_err(failed)?;
+        let mut waiting = Vec::new();
+        for reader in readers {
+            match self.mark_of(&reader).map_err(failed)? {
+                Some(Mark::In(theirs)) if theirs.digest == port.ty.digest() => waiting.push(reader),
+                // One that is still registered, but was killed, is no obstacle.
+                Some(Mark::In(theirs)) if self.presence(&reader) == Presence::Here => {
+                    return Err(self.mismatch(port.address, port.ty, &theirs));
+                }
+                _ => {}
+            }
+        }
+        Ok(waiting)
+    }
+}
+
+impl Ports for Yarp {
+    fn publisher(&self, port: &PortSpec<'_>) -> Result<Box<dyn Publisher>, OpenError> {
+        let PortSpec { address: at, ty, .. } = *port;
+        let core = &self.0;
+        let name = core.checked_name(at)?;
+        if core.own(&name).is_some() {
+            return Err(OpenError::Taken { address: at.clone() });
+        }
+        core.check_free(at, &name)?;
+        core.waiting_for(port, &name)?;
+        let room = room(ty);
+        let depth = (UNSENT_BYTES / room.max(1)).clamp(2, UNSENT);
+        let out = Arc::new(OutPort::new(ty, depth));
+        let own = core.open(at, &name, mark::of_port(ty, false), Role::Out(Arc::clone(&out)))?;
+        // After it is registered: a reader that comes from now on finds it by itself.
+        match core.waiting_for(port, &name) {
+            Ok(waiting) => {
+                for reader in waiting {
+                    let Some(at) = reader.address() else { continue };
+                    let (port, to, answer) = (Arc::clone(&own), reader.name, None);
+                    let carrier = core.settings.carrier;
+                    core.io.submit(Command::Link { port, to, at, carrier, answer });
+                }
+            }
+            Err(error) => {
+                core.close(&own);
+                return Err(error);
+            }
+        }
+        core.names.announce(&name);
+        let outlet = Arc::new(Outlet::new(ty, depth, room));
+        let line = Line { outlet: Arc::clone(&outlet), out: Arc::clone(&out) };
+        let line = core.sender.orders().add(line);
+        Ok(Box::new(Out { outlet, out, line, port: own, core: Arc::clone(core) }))
+    }
+
+    fn subscription(
+        &self,
+        port: &PortSpec<'_>,
+        policy: Policy,
+    ) -> Result<Box<dyn Subscription>, OpenError> {
+        let PortSpec { address: at, ty, .. } = *port;
+        let core = &self.0;
+        let Keeping { depth, full, counts } = Keeping::of(policy, BACKEND, ty)?;
+        let name = core.checked_name(at)?;
+        let source = core.names.query(&name).map_err(|error| core.failed(at, error))?;
+        if let Some(writer) = &source
+            && let Some(Mark::Out(theirs)) =
+                core.mark_of(writer).map_err(|error| core.failed(at, error))?
+            && theirs.digest != ty.digest()
+            && core.presence(writer) == Presence::Here
+        {
+            return Err(core.mismatch(at, ty, &theirs));
+        }
+        let mailbox = Mailbox::new(depth, room(ty), full).dated();
+        let inbox = Arc::new(Inbox::new(mailbox));
+        let shared = core.readers.join(core, at, &name, ty, &inbox)?;
+        Ok(Box::new(In { intake: Intake::new(ty), inbox, counts, _shared: shared }))
+    }
+}
+
+/// An out port as the sending thread sees it.
+pub(crate) struct Line {
+    outlet: Arc<Outlet>,
+    out: Arc<OutPort>,
+}
+
+impl sender::Line for Line {
+    fn send(&mut self) -> bool {
+        let Some(sample) = self.outlet.take() else { return false };
+        let mut message = Vec::with_capacity(wire::HEADER + sample.as_ref().len() * 2 + 64);
+        wire::begin(Purpose::Data { reply: false }, &mut message);
+        match encode::append(&self.out.ty, sample.as_ref(), &mut message) {
+            Ok(()) => {
+                wire::close(&mut message);
+                self.out.send(Arc::new(message));
+            }
+            Err(_) => self.outlet.refuse(),
+        }
+        true
+    }
+}
+
+/// The writing end.
+struct Out {
+    outlet: Arc<Outlet>,
+    out: Arc<OutPort>,
+    /// Its number in the sending thread.
+    line: usize,
+    port: Arc<Port>,
+    core: Arc<Core>,
+}
+
+impl Publisher for Out {
+    fn publish(&mut self, value: &Record) -> Result<(), PublishError> {
+        self.outlet.put(value)?;
+        self.core.sender.orders().mark(self.line);
+        Ok(())
+    }
+
+    fn publish_message(&mut self, message: &[u8]) -> Option<Result<(), PublishError>> {
+        let put = self.outlet.put_message(message);
+        self.core.sender.orders().mark(self.line);
+        Some(put)
+    }
+
+    fn dropped(&self) -> u64 {
+        self.outlet.dropped() + self.out.dropped()
+    }
+}
+
+impl Drop for Out {
+    fn drop(&mut self) {
+        self.core.sender.orders().remove(self.line, |_, line| drop(line));
+        self.core.close(&self.port);
+    }
+}
+
+/// Names and digests of the out ports that are read, with the in port that does.
+#[derive(Default)]
+pub(crate) struct Readers(Mutex<HashMap<(String, String), Weak<Reads>>>);
+
+/// An in port on YARP, which all readers of one out port share.
+struct Reads {
+    port: Arc<Port>,
+    core: Arc<Core>,
+}
+
+impl Drop for Reads {
+    fn drop(&mut self) {
+        self.core.close(&self.port);
+    }
+}
+
+/// A reader's part of an in port.
+struct Part {
+    inbox: Arc<Inbox>,
+    reads: Arc<Reads>,
+}
+
+impl Drop for Part {
+    fn drop(&mut self) {
+        if let Role::In(port) = &self.reads.port.role {
+            port.leave(&self.inbox);
+        }
+    }
+}
+
+impl Readers {
+    fn join(
+        &self,
+        core: &Arc<Core>,
+        at: &Address,
+        name: &str,
+        ty: &DataType,
+        inbox: &Arc<Inbox>,
+    ) -> Result<Part, OpenError> {
+        // Held while it is opened: another reader that comes meanwhile shares it.
+        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        all.retain(|_, reads| reads.strong_count() > 0);
+        let key = (name.to_owned(), ty.digest().to_owned());
+        let reads = match all.get(&key).and_then(Weak::upgrade) {
+            Some(reads) => reads,
+            None => {
+                let port = InPort::new(ty, name.to_owned());
+                let (own, property) = (core.reader_of(name), mark::of_port(ty, true));
+                let port = core.open(at, &own, property, Role::In(Arc::new(port)))?;
+                let reads = Arc::new(Reads { port, core: Arc::clone(core) });
+                all.insert(key, Arc::downgrade(&reads));
+                // After it is registered: a writer that comes from now on finds it by itself.
+                let source = core.names.query(name).ok().flatten();
+                if let Some(at) = source.and_then(|source| source.address()) {
+                    Asking::send(&core.io, &reads.port, at, core.settings.carrier);
+                }
+                core.names.announce(&own);
+                core.look();
+                reads
+            }
+        };
+        drop(all);
+        if let Role::In(port) = &reads.port.role {
+            port.join(inbox);
+        }
+        Ok(Part { inbox: Arc::clone(inbox), reads })
+    }
+}
+
+/// The reading end.
+struct In {
+    intake: Intake,
+    inbox: Arc<Inbox>,
+    /// Whether overwritten samples count as lost.
+    counts: bool,
+    _shared: Part,
+}
+
+impl Subscription for In {
+    fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
+        let mailbox = &self.inbox.mailbox;
+        let read = self.intake.read(into, |decode| mailbox.take(|sample| decode(sample)));
+        self.counted(read)
+    }
+
+    fn read_message(&mut self, into: &mut Vec<u8>) -> Option<Result<Reading, ReadError>> {
+        let mailbox = &self.inbox.mailbox;
+        let read = self.intake.read_message(into, |see| mailbox.take(|sample| see(sample)));
+        Some(self.counted(read))
+    }
+
+    fn on_arrival(&mut self, told: Box<dyn Fn() + Send + Sync>) -> bool {
+        self.inbox.tell(told)
+    }
+
+    fn arrived(&self) -> Option<u64> {
+        self.inbox.mailbox.put_at()
+    }
+
+    fn dropped(&self) -> u64 {
+        let lost = if self.counts { self.inbox.mailbox.lost() } else { 0 };
+        lost + self.inbox.misfits.load(Ordering::Relaxed)
+    }
+}
+
+impl In {
+    fn counted(&self, read: Result<Reading, ReadError>) -> Result<Reading, ReadError> {
+        if read == Err(ReadError::Serialization) {
+            self.inbox.misfits.fetch_add(1, Ordering::Relaxed);
+        }
+        read
+    }
+}

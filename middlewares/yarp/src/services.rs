@@ -1,0 +1,94 @@
+//! Services: `/<component>/rpc` is open while a service of the component is served.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use genom_middleware::{Address, Client, OpenError, Served, ServiceHandler, ServiceType, Services};
+
+use crate::backend::Yarp;
+use crate::client::YarpClient;
+use crate::core::Core;
+use crate::desk::Desk;
+use crate::mark;
+use crate::port::{Port, Role};
+
+/// Name of the port of services among those of a component.
+pub(crate) const RPC: &str = "rpc";
+
+/// The ports of services, by component.
+#[derive(Default)]
+pub(crate) struct Desks(Mutex<HashMap<String, Open>>);
+
+/// A port of services.
+type Open = (Arc<Port>, Arc<Desk>);
+
+impl Services for Yarp {
+    fn serve(
+        &self,
+        at: &Address,
+        service: &ServiceType,
+        handler: Arc<dyn ServiceHandler>,
+    ) -> Result<Box<dyn Served>, OpenError> {
+        let core = &self.0;
+        let mut all = core.desks.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let (port, desk) = match all.get(&at.instance) {
+            Some((port, desk)) => (Arc::clone(port), Arc::clone(desk)),
+            None => {
+                let rpc = Address::new(&at.instance, RPC);
+                let name = core.checked_name(&rpc)?;
+                if core.own(&name).is_some() {
+                    let why = format!("its name on YARP would be {name}, which is a port's here");
+                    return Err(core.failed(at, why));
+                }
+                core.check_free(at, &name)?;
+                let desk = Desk::new(&at.instance, core.io.clone());
+                let property = mark::of_services(&[]);
+                let port = core.open(at, &name, property, Role::Rpc(Arc::clone(&desk)))?;
+                all.insert(at.instance.clone(), (Arc::clone(&port), Arc::clone(&desk)));
+                (port, desk)
+            }
+        };
+        if !desk.add(&at.name, service, handler) {
+            return Err(OpenError::Taken { address: at.clone() });
+        }
+        core.describe(&port, mark::of_services(&desk.names()));
+        drop(all);
+        core.names.announce(&port.name);
+        Ok(Box::new(YarpServed { at: at.clone(), core: Arc::clone(core) }))
+    }
+
+    fn client(&self, at: &Address, service: &ServiceType) -> Result<Box<dyn Client>, OpenError> {
+        let core = &self.0;
+        let port = core.checked_name(&Address::new(&at.instance, RPC))?;
+        let (at, service) = (at.clone(), service.clone());
+        Ok(Box::new(YarpClient { at, port, service, core: Arc::clone(core) }))
+    }
+}
+
+/// A served service.
+struct YarpServed {
+    at: Address,
+    core: Arc<Core>,
+}
+
+impl Served for YarpServed {}
+
+impl Drop for YarpServed {
+    fn drop(&mut self) {
+        let mut all = self.core.desks.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some((port, desk)) = all.get(&self.at.instance).cloned() else { return };
+        let others = desk.names().into_iter().filter(|name| *name != self.at.name);
+        let others: Vec<String> = others.collect();
+        if others.is_empty() {
+            all.remove(&self.at.instance);
+        } else {
+            self.core.describe(&port, mark::of_services(&others));
+        }
+        // Without the lock: what the handler holds may be a service, too.
+        drop(all);
+        desk.remove(&self.at.name);
+        if others.is_empty() {
+            self.core.close(&port);
+        }
+    }
+}

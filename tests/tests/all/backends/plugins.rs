@@ -1,0 +1,158 @@
+//! Middlewares in libraries of their own: named when a daemon starts, opened in gateways.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use genom_tests::{Daemon, Finished, Home, Running, component, path, program, repository, until};
+use serde_json::Value;
+
+/// Compiles a text in C into `libgenomd_NAME.so` in a directory.
+fn compile(directory: &Path, name: &str, text: &str) -> PathBuf {
+    let source = directory.join(format!("{name}.c"));
+    fs::write(&source, text).unwrap();
+    let library = directory.join(format!("libgenomd_{name}.so"));
+    let built = Command::new("cc")
+        .args(["-shared", "-fPIC", "-I"])
+        .arg(repository().join("plugin-api/include"))
+        .arg("-o")
+        .args([&library, &source])
+        .output()
+        .unwrap();
+    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+    library
+}
+
+/// The board of docs/plugins.md.
+fn board() -> String {
+    fs::read_to_string(repository().join("plugin-api/examples/board.c")).unwrap()
+}
+
+/// The demo and the mission, one connected to the other, and a motion that lasts.
+fn moving(daemon: &Daemon) {
+    for name in ["demo", "mission"] {
+        daemon.ctl(&["load", path(&component(name).library)]).expect_code(0);
+    }
+    daemon.ctl(&["connect", "mission/position", "demo/position"]).expect_code(0);
+    daemon.ctl(&["call", "demo", "set_speed", "velocity=0.01"]).expect_code(0);
+    daemon.ctl(&["start", "demo", "goto", "goal=1"]).expect_code(0);
+}
+
+fn flows(daemon: &Daemon) {
+    let seen = || daemon.port("mission", "position")["value"].clone();
+    let before = seen();
+    until("new positions come", || seen() != before);
+}
+
+fn gateway(daemon: &Daemon) -> Value {
+    let all = daemon.json(&["cells"]);
+    let mut all = all["cells"].as_array().unwrap().iter();
+    all.find(|cell| cell["name"] == "gateway-board").expect("a gateway").clone()
+}
+
+#[test]
+fn a_library_in_c_is_named_by_its_path_and_carries_ports_through_a_gateway() {
+    let home = Home::new();
+    compile(home.path(), "board", &board());
+    let daemon = home.start(&["--backend", "./libgenomd_board.so"]);
+    moving(&daemon);
+    flows(&daemon);
+    let known = daemon.json(&["backends"]);
+    assert_eq!(known["default"], "board");
+    let all = known["middlewares"].as_array().unwrap();
+    assert!(all.iter().any(|one| one["name"] == "board" && one["version"] == "board 1"), "{known}");
+    // What ends the library ends its gateway, and no component.
+    let pid = gateway(&daemon)["pid"].clone();
+    assert!(genom_tests::signal(&pid, "KILL"), "there is no process {pid}");
+    until("another gateway runs", || {
+        let now = gateway(&daemon);
+        now["pid"] != pid && now["state"] == "running"
+    });
+    flows(&daemon);
+}
+
+#[test]
+fn a_library_is_found_under_its_name_and_opened_without_a_gateway_if_there_are_none() {
+    let home = Home::new().configured("[gateways]\nof = []\n");
+    compile(home.path(), "board", &board());
+    let variable = format!("GENOMD_BACKEND_PATH={}", home.path().display());
+    let daemon = home.start_by(&["env", &variable], &["--backend", "board"]);
+    moving(&daemon);
+    flows(&daemon);
+    assert_eq!(daemon.json(&["cells"])["cells"], serde_json::json!([]));
+}
+
+#[test]
+fn a_configuration_says_where_a_library_is_and_its_cells_use_it() {
+    let home = Home::new();
+    fs::create_dir(home.path().join("lib")).unwrap();
+    compile(&home.path().join("lib"), "other", &board());
+    let section = "[backends.board]\nlibrary = \"lib/libgenomd_other.so\"\nroom = 1\n";
+    let home = home.configured(section);
+    let daemon = home.start(&["--backend", "board"]);
+    let isolated = ["load", "--isolated", path(&component("demo").library)].map(str::to_owned);
+    daemon.ctl(&isolated.each_ref().map(String::as_str)).expect_code(0);
+    daemon.ctl(&["load", path(&component("mission").library)]).expect_code(0);
+    daemon.ctl(&["connect", "mission/position", "demo/position"]).expect_code(0);
+    daemon.ctl(&["call", "demo", "set_speed", "velocity=0.01"]).expect_code(0);
+    daemon.ctl(&["start", "demo", "goto", "goal=1"]).expect_code(0);
+    flows(&daemon);
+}
+
+#[test]
+fn a_daemon_does_not_start_with_a_library_that_is_no_middleware() {
+    let home = Home::new();
+    let refused = |backend: &str, told: &str| {
+        home.refused(&["--backend", backend]).expect_code(2).expect_err(told);
+    };
+    refused("./libgenomd_no.so", "cannot read ./libgenomd_no.so: No such file");
+    compile(home.path(), "plain", "int nothing;");
+    refused("./libgenomd_plain.so", "does not export `genom_middleware_plugin`");
+    let next = board().replace(".major = GENOM_MW_MAJOR", ".major = 2");
+    compile(home.path(), "next", &next);
+    refused("./libgenomd_next.so", "built for version 2.0");
+    let own = board().replace("GENOM_MW_STR(\"board\")", "GENOM_MW_STR(\"zenoh\")");
+    compile(home.path(), "own", &own);
+    refused("./libgenomd_own.so", "this daemon has one already");
+    refused("board", "unknown backend `board`");
+}
+
+#[test]
+fn a_request_cannot_name_a_library() {
+    let home = Home::new();
+    let library = compile(home.path(), "board", &board());
+    let daemon = home.start(&[]);
+    let demo = component("demo").library;
+    for backend in [path(&library), "./libgenomd_board.so", "board"] {
+        let refused = daemon.ctl(&["load", "--backend", backend, path(&demo)]);
+        refused.expect_code(1).expect_err("unknown backend");
+    }
+    daemon
+        .ctl(&["load", "--backend", path(&library), path(&demo)])
+        .expect_err("A library is named when a daemon starts");
+}
+
+fn conformance(arguments: &[&str]) -> Finished {
+    Running::start(Command::new(program("genomctl")).arg("conformance").args(arguments)).finish()
+}
+
+#[test]
+fn the_conformance_suite_runs_on_a_library_and_tells_what_does_not_hold() {
+    let place = tempfile::tempdir().unwrap();
+    let good = compile(place.path(), "board", &board());
+    let told = conformance(&[path(&good), "--only", "reader"]);
+    told.expect_code(0).expect_out("board (board 1)").expect_out("holds");
+    told.expect_err("a_reader_sees_what_was_written");
+    let bad = |name: &str, instead: &str, told: &str| {
+        let text = board().replace("host->sample(one->to, sample);", instead);
+        let bad = compile(place.path(), name, &text);
+        let ran = conformance(&[path(&bad), "--only", "a_reader_sees_what_was_written"]);
+        ran.expect_code(1).expect_out("does not hold").expect_out(told);
+        ran.expect_err("1 of 1 properties do not hold");
+    };
+    bad("loses", "(void)one;", "never: ");
+    bad("dies", "abort();", "signal: 6");
+    conformance(&[path(&good), "--options", "3"]).expect_code(1).expect_err("no JSON object");
+    conformance(&[path(&good), "--only", "xyz"]).expect_code(1).expect_err("no property has");
+    conformance(&["/no/such.so"]).expect_code(1).expect_err("cannot read /no/such.so");
+}
