@@ -4,7 +4,7 @@ use genom_middleware::{Endpoint, EndpointKind, Stranger};
 use genom_plugin_abi::table::{Opaque, endpoint};
 use genom_plugin_abi::{Address, Code, ErrorText, Failure, Str};
 
-use super::{Opened, at, guarded, logged};
+use super::base::{Opened, at, guarded, logged};
 use crate::given::List;
 use crate::types;
 

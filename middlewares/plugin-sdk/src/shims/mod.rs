@@ -1,26 +1,18 @@
 //! The functions of the table. Each reads what the host lends, does its work within
 //! [`guarded`], so that no panic crosses, and gives handles as boxes or counted pointers.
 
+mod base;
 mod lists;
 mod ports;
 mod services;
 
-use std::any::Any;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
-
-use genom_middleware::{Backend, Middleware};
-use genom_plugin_abi::table::{Opaque, can, level};
+use genom_middleware::Backend;
+use genom_plugin_abi::table::{Opaque, can};
 use genom_plugin_abi::{Code, ErrorText, Failure, Host, MAJOR, MINOR, Plugin, Str};
 
+use self::base::{Opened, at, give, guarded, logged, take};
 use crate::given::Functions;
 use crate::logs;
-
-/// An open backend.
-struct Opened {
-    middleware: Arc<dyn Middleware>,
-    host: Functions,
-}
 
 /// The table of a backend, under this name.
 #[must_use]
@@ -62,67 +54,6 @@ pub const fn table<B: Backend + 'static>(name: &'static str) -> Plugin {
         unmask: Some(lists::unmask),
         meeting_point: Some(lists::meeting_point),
     }
-}
-
-fn said(panic: &(dyn Any + Send)) -> &str {
-    let text = panic.downcast_ref::<&str>().copied();
-    text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message")
-}
-
-/// Runs the work of a function that can fail; a panic is a failure.
-///
-/// # Safety
-/// `error` is null, or an error that the host lent.
-unsafe fn guarded(error: *mut ErrorText, work: impl FnOnce() -> Result<(), Failure>) -> Code {
-    let done = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
-        let why = format!("the plugin panicked: {}", said(&*panic));
-        Err(Failure::new(Code::FAILED, why))
-    });
-    match done {
-        Ok(()) => Code::OK,
-        Err(failure) => {
-            // SAFETY: as for this function.
-            unsafe { ErrorText::write(error, &failure) };
-            failure.code
-        }
-    }
-}
-
-/// Runs the work of a function that has no way to tell of a failure but the log.
-fn logged<T: Default>(host: Option<Functions>, work: impl FnOnce() -> T) -> T {
-    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
-        if let Some(host) = host {
-            host.log(level::ERROR, &format!("the plugin panicked: {}", said(&*panic)));
-        }
-        T::default()
-    })
-}
-
-/// Gives a value to the host as a handle.
-///
-/// # Safety
-/// `out` is writable.
-unsafe fn give<T>(out: *mut Opaque, value: T) {
-    // SAFETY: as for this function.
-    unsafe { out.write(Box::into_raw(Box::new(value)).cast()) };
-}
-
-/// What a handle stands for.
-///
-/// # Safety
-/// [`give`] gave it as a `T`, and it is not closed while the result is used.
-unsafe fn at<'a, T>(handle: Opaque) -> &'a T {
-    // SAFETY: as for this function.
-    unsafe { &*handle.cast::<T>() }
-}
-
-/// Takes back a handle.
-///
-/// # Safety
-/// [`give`] gave it as a `T`, and nobody uses it any more.
-unsafe fn take<T>(handle: Opaque) -> Box<T> {
-    // SAFETY: as for this function.
-    unsafe { Box::from_raw(handle.cast::<T>()) }
 }
 
 unsafe extern "C" fn open<B: Backend + 'static>(

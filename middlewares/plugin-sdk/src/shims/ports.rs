@@ -7,7 +7,7 @@ use genom_middleware::PortSpec;
 use genom_plugin_abi::table::Opaque;
 use genom_plugin_abi::{Bytes, Code, ErrorText, Failure, Port};
 
-use super::{Opened, at, give, guarded, logged, take};
+use super::base::{Opened, at, give, guarded, logged, take};
 use crate::ends::{Feed, Writer};
 use crate::types;
 

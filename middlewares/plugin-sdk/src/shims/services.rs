@@ -7,7 +7,7 @@ use genom_plugin_abi::answers::Said;
 use genom_plugin_abi::table::Opaque;
 use genom_plugin_abi::{Address, Answer, Bytes, Code, ErrorText, Service};
 
-use super::{Opened, at, give, guarded, logged, take};
+use super::base::{Opened, at, give, guarded, logged, take};
 use crate::requests::{Call, Calling, Handler, Run, sides};
 use crate::types;
 

@@ -49,6 +49,11 @@ const ELSEWHERE: &[(&str, &str, &str)] = &[
         "tests/tests/all/deployment/compared.rs",
         "a_way_that_cannot_run_is_listed_with_its_reason_and_the_others_run",
     ),
+    (
+        "conformance",
+        "tests/tests/all/backends/plugins.rs",
+        "the_conformance_suite_runs_on_a_library_and_tells_what_does_not_hold",
+    ),
     ("new", "tests/tests/all/projects/new.rs", "a_new_component_builds_runs_and_passes_its_test"),
     (
         "add",
