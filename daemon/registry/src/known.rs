@@ -1,7 +1,7 @@
 //! The list of all middlewares: the only place that names them.
 
 use std::collections::BTreeMap;
-use std::fmt::Display;
+use std::fmt::{self, Display};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, PoisonError, RwLock};
 
@@ -31,6 +31,13 @@ enum Source {
         open: fn(&toml::Table) -> Result<Arc<dyn Middleware>, SectionError>,
     },
     Plugin(&'static Library),
+}
+
+impl fmt::Debug for Known {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, version, .. } = self;
+        write!(f, "Known({name}, {version})")
+    }
 }
 
 impl Known {

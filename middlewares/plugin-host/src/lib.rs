@@ -5,7 +5,7 @@
 //! policies and threads are of `genom-kit`: the library gets whole samples as bytes, and real-time
 //! threads never enter it, unless it says that they may.
 //!
-//! Unsafe code is in [`library`], [`calls`] and [`callbacks`].
+//! Unsafe code is in `library`, `opening`, `calls` and `callbacks`.
 
 #![deny(unsafe_code)]
 
@@ -18,6 +18,8 @@ mod given;
 mod library;
 mod lists;
 mod middleware;
+mod opening;
+mod outlet;
 mod ports;
 mod services;
 

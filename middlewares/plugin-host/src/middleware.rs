@@ -12,7 +12,7 @@ use crate::calls::Handle;
 use crate::error::LibraryError;
 use crate::given::{Listed, Listing};
 use crate::library::Library;
-use crate::ports::Line;
+use crate::outlet::Line;
 
 /// An open middleware of a library.
 pub(crate) struct Open(pub(crate) Arc<Core>);

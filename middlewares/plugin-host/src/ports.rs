@@ -2,12 +2,10 @@
 
 use std::convert::Infallible;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 
 use genom_kit::intake::{Intake, Keeping};
-use genom_kit::mailbox::{Full, Mailbox, PutError};
-use genom_kit::sender;
-use genom_kit::spares::Spares;
+use genom_kit::mailbox::PutError;
 use genom_middleware::{
     OpenError, Policy, PortSpec, Ports, PublishError, Publisher, ReadError, Reading, Subscription,
 };
@@ -21,6 +19,7 @@ use crate::describe::{sides_of_port, with_port};
 use crate::form::Form;
 use crate::given::{Given, Inbox};
 use crate::middleware::{Core, Open};
+use crate::outlet::{Line, Outlet};
 
 /// Samples of an out port that may wait to be sent, unless its quality of service asks for more or
 /// they are large.
@@ -66,38 +65,6 @@ impl Ports for Open {
         let handle = opened.map_err(|failure| failure.opening(&sides()))?;
         let intake = Intake::new(port.ty);
         Ok(Box::new(In { handle, inbox, intake, form, seen: false, _core: core }))
-    }
-}
-
-/// Samples on their way from a codel to the sending thread.
-struct Outlet {
-    form: Form,
-    mailbox: Mailbox,
-    spares: Spares,
-    refused: AtomicU64,
-}
-
-impl Outlet {
-    fn new(form: Form, depth: usize) -> Self {
-        let room = form.room();
-        let (mailbox, spares) = (Mailbox::new(depth, room, Full::Oldest), Spares::new(room));
-        Self { form, mailbox, spares, refused: AtomicU64::new(0) }
-    }
-}
-
-/// An out port as the sending thread sees it.
-pub(crate) struct Line {
-    outlet: Arc<Outlet>,
-    handle: Arc<Handle>,
-}
-
-impl sender::Line for Line {
-    fn send(&mut self) -> bool {
-        let Some(sample) = self.outlet.spares.take(&self.outlet.mailbox) else { return false };
-        if self.handle.publish(sample.as_ref()) != Code::OK {
-            self.outlet.refused.fetch_add(1, Ordering::Relaxed);
-        }
-        true
     }
 }
 

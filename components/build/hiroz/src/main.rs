@@ -22,7 +22,8 @@ use hiroz::parameter::{Parameter, ParameterClient, ParameterTarget, ParameterVal
 use serde_json::{Value, json};
 use tokio::runtime::Runtime;
 
-type Outcome = Result<Value, Box<dyn Error>>;
+type Wrong = Box<dyn Error + Send + Sync>;
+type Outcome = Result<Value, Wrong>;
 
 /// Only a failing test takes this long; its own watchdog waits longer.
 const PATIENCE: Duration = Duration::from_secs(50);
@@ -35,7 +36,7 @@ struct Peer {
     clients: HashMap<String, RawServiceClient>,
 }
 
-fn text(arguments: &[Value], at: usize) -> Result<&str, Box<dyn Error>> {
+fn text(arguments: &[Value], at: usize) -> Result<&str, Wrong> {
     arguments
         .get(at)
         .and_then(Value::as_str)
@@ -46,13 +47,13 @@ fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-fn bytes(hexadecimal: &str) -> Result<Vec<u8>, Box<dyn Error>> {
+fn bytes(hexadecimal: &str) -> Result<Vec<u8>, Wrong> {
     let pair = |at: usize| u8::from_str_radix(&hexadecimal[at..at + 2], 16);
     Ok((0..hexadecimal.len()).step_by(2).map(pair).collect::<Result<_, _>>()?)
 }
 
 /// Waits for what the graph of hiroz tells by a signal.
-fn until(node: &ZNode, what: &str, mut holds: impl FnMut() -> bool) -> Result<(), Box<dyn Error>> {
+fn until(node: &ZNode, what: &str, mut holds: impl FnMut() -> bool) -> Result<(), Wrong> {
     let end = Instant::now() + PATIENCE;
     let (mutex, changed) = &*node.graph().change_signal;
     loop {
@@ -69,7 +70,7 @@ fn until(node: &ZNode, what: &str, mut holds: impl FnMut() -> bool) -> Result<()
 }
 
 impl Peer {
-    fn new(router: &str) -> Result<Self, Box<dyn Error>> {
+    fn new(router: &str) -> Result<Self, Wrong> {
         let builder = ZContextBuilder::default().with_router_endpoint(router);
         let context = builder.map_err(|error| error.to_string())?.build();
         let context = context.map_err(|error| error.to_string())?;
@@ -183,7 +184,7 @@ impl Peer {
     }
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), Wrong> {
     let router = std::env::args().nth(1).ok_or("give the endpoint of the router")?;
     let mut peer = Peer::new(&router)?;
     let mut out = std::io::stdout();

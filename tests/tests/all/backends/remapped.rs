@@ -54,7 +54,7 @@ fn a_component_its_ports_and_services_have_the_names_that_rules_give_them() {
     assert!(!nodes.iter().any(|node| node.ends_with("/left")), "{nodes:?}");
 
     // What is saved has the rules, too, and a component that is gone gives its names back.
-    let saved = daemon.ctl(&["save"]);
+    let saved = daemon.ctl(&["dump"]);
     assert!(saved.out.contains("position:=/odom"), "{}", saved.out);
     daemon.ctl(&["unload", "left"]).expect_code(0);
     peer.ask(&json!(["no node", "arm", "/base/one"]));
@@ -78,7 +78,7 @@ fn rules_that_cannot_be_kept_are_refused_with_the_way_out() {
     load("__ns:=lab").expect_code(2).expect_err("a namespace begins with /");
     let body = json!({"library": path(&library), "remap": ["position:=/2"]});
     let refused = request(&daemon.home().socket(), "POST", "/components", &body.to_string());
-    assert_eq!(refused.status, 400, "{}", refused.body);
+    assert_eq!(refused.body["error"]["code"], "bad_input", "{}", refused.body);
     assert!(refused.body.to_string().contains("is no name in ROS"), "{}", refused.body);
     load("position:=/odom").expect_code(0);
 }
