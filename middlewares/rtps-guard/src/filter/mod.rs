@@ -15,6 +15,7 @@
 mod discovery;
 mod flows;
 mod limits;
+mod mend;
 mod message;
 mod peers;
 mod pieces;
@@ -27,6 +28,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 pub use limits::Limits;
+pub(crate) use mend::mended;
 pub use tally::{Reason, Tally};
 
 use discovery::{PAIRS, PARTICIPANTS, READERS, WRITERS};

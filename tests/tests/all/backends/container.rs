@@ -187,13 +187,23 @@ fn what_a_container_does_not_load_is_refused_and_nothing_is_left_of_it() {
 fn many_requests_at_once_load_no_more_than_the_container_takes() {
     let mut world = World::new("most = 3");
     let load = format!("{}/load_node", world.container);
-    let request = json!({"package_name": "demo", "remap_rules": ["x".repeat(10_000)]});
-    assert!(world.refused(&request).contains("is no rule"));
     let replies = world.peer.ask(&json!(["burst", load, 40, {"package_name": "demo"}]));
     // They all want the same name: one has it.
     let done = replies.as_array().unwrap().iter().filter(|reply| reply["success"] == true);
     assert_eq!(done.count(), 1, "{replies}");
     assert_eq!(world.list()["unique_ids"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn an_answer_that_is_longer_than_a_datagram_arrives() {
+    let mut world = World::new("");
+    for length in [900, 1_300, 1_301, 10_000, 100_000] {
+        let rule = "x".repeat(length);
+        let why = world.refused(&json!({"package_name": "demo", "remap_rules": [rule]}));
+        assert!(why.starts_with(&format!("`{rule}` is no rule")), "{}", why.len());
+    }
+    let cells = world.daemon.json(&["cells"]);
+    assert_eq!(cells["cells"][0]["starts"], 1, "{cells}");
 }
 
 #[test]

@@ -244,8 +244,7 @@ const TELEMETRY: &[&str] = &[
     "genom-supervisor",
 ];
 const MIDDLEWARE: &[&str] = &["genom-middleware", "genom-types"];
-const PLUGIN_HOST: &[&str] =
-    &["genom-kit", "genom-middleware", "genom-plugin-abi", "genom-types"];
+const PLUGIN_HOST: &[&str] = &["genom-kit", "genom-middleware", "genom-plugin-abi", "genom-types"];
 const BACKEND: &[&str] = &["genom-kit", "genom-middleware", "genom-types"];
 const ROS2: &[&str] =
     &["genom-kit", "genom-middleware", "genom-rosidl", "genom-rtps-guard", "genom-types"];

@@ -10,7 +10,7 @@ use genom_tests::{files, repository};
 use super::uses::{Uses, uses};
 
 /// Crates that still have circles. A crate listed here without any fails the test.
-const CIRCULAR: &[&str] = &[];
+const CIRCULAR: &[&str] = &["genom-yarp"];
 
 /// All files that each file uses, directly or indirectly.
 fn reached(uses: &Uses) -> BTreeMap<&str, BTreeSet<&str>> {
