@@ -160,7 +160,7 @@ fn hiroz_lists_a_node_with_its_topic_and_its_type_until_it_is_closed() {
     let mut node = node(&place);
     assert_eq!(node.ask(&json!(["nodes", "/demo"])), true);
     let topics = node.ask(&json!(["topics"]));
-    let expected: Value = json!(["/demo/speed", "std_msgs/msg/Float64"]);
+    let expected: Value = json!(["/demo/speed", FLOAT]);
     assert!(topics.as_array().unwrap().contains(&expected), "{topics}");
     drop(writer);
     assert_eq!(node.ask(&json!(["no node", "/demo"])), false);

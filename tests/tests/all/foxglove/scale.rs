@@ -22,13 +22,17 @@ fn fifty_components_are_shown_at_once() {
         client.of_name("subscribe", &format!("/axis{number}/position"));
     }
     for number in 0..50 {
+        // They move until the end of the test: what is published before the subscription has reached
+        // the codels is only kept as the last value.
+        let slowly = format!("/axis{number}/set_speed");
+        client.ask("call", &[json!(slowly), json!({"velocity": 0.01})]);
         let goto = format!("/axis{number}/goto");
-        let answer = client.ask("call", &[json!(goto), json!({"goal": 0.1})]);
+        let answer = client.ask("call", &[json!(goto), json!({"goal": 5.0})]);
         assert!(answer["result"]["activity"].is_u64(), "{answer}");
     }
     for number in 0..50 {
         let topic = format!("/axis{number}/position");
-        client.ask("sample", &[json!(topic), json!({"position": 0.1})]);
+        client.ask("samples", &[json!(topic), json!(3)]);
     }
     client.ask("graph", &[]);
     daemon.ctl(&["connect", "--wait", "axis3/parameter", "far/gain"]).expect_code(0);
