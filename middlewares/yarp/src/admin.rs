@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use crate::bottle::Value;
-use crate::io::Reply;
 use crate::port::{Port, Role};
+use crate::replies::Reply;
 use crate::wire::Carrier;
 
 /// Version of this protocol, as genuine ports tell it.

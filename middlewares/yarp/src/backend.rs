@@ -6,11 +6,18 @@ use std::sync::Arc;
 use genom_middleware::{Backend, Capabilities, Discovery, Middleware, Refused, Services};
 
 use crate::core::Core;
+use crate::desks::Desks;
 use crate::error::{BACKEND, YarpError};
 use crate::options::Options;
+use crate::readers::Readers;
+use crate::steward;
 
 /// YARP as a middleware.
-pub struct Yarp(pub(crate) Arc<Core>);
+pub struct Yarp {
+    pub(crate) core: Arc<Core>,
+    pub(crate) readers: Readers,
+    pub(crate) desks: Arc<Desks>,
+}
 
 impl Yarp {
     /// Opens it. The name server is asked when the first port is opened.
@@ -18,7 +25,9 @@ impl Yarp {
     /// # Errors
     /// An option is wrong, a file of YARP cannot be used, or the system gives no thread.
     pub fn open(options: &Options) -> Result<Arc<Self>, YarpError> {
-        Ok(Arc::new(Self(Core::new(options.settings()?)?)))
+        let (core, jobs) = Core::new(options.settings()?)?;
+        core.joins(steward::start(jobs, Arc::downgrade(&core))?);
+        Ok(Arc::new(Self { core, readers: Readers::default(), desks: Arc::default() }))
     }
 }
 
@@ -63,10 +72,10 @@ impl Middleware for Yarp {
     }
 
     fn meeting_point(&self) -> Vec<(Cow<'static, str>, String)> {
-        vec![("server".into(), self.0.names.server())]
+        vec![("server".into(), self.core.names.server())]
     }
 
     fn refused(&self) -> Vec<Refused> {
-        self.0.refusals.listed()
+        self.core.refusals.listed()
     }
 }

@@ -6,8 +6,6 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
-use crate::desk::Desk;
-
 /// Greatest number of requests that wait.
 const MOST: usize = 1024;
 
@@ -15,9 +13,15 @@ thread_local! {
     static HERE: Cell<bool> = const { Cell::new(false) };
 }
 
+/// Serves requests.
+pub(crate) trait Serve: Send + Sync {
+    /// Serves a request. `token` is the connection, which waits if it `replies`.
+    fn hear(self: Arc<Self>, token: u64, replies: bool, request: &[u8]);
+}
+
 /// A request.
 struct Call {
-    desk: Arc<Desk>,
+    desk: Arc<dyn Serve>,
     token: u64,
     replies: bool,
     bottle: Vec<u8>,
@@ -37,12 +41,11 @@ impl Calls {
     /// Passes a request on. Returns false if too many wait.
     pub(crate) fn hear(
         &self,
-        desk: &Arc<Desk>,
+        desk: Arc<dyn Serve>,
         token: u64,
         replies: bool,
         bottle: Vec<u8>,
     ) -> bool {
-        let desk = Arc::clone(desk);
         self.0.try_send(Some(Call { desk, token, replies, bottle })).is_ok()
     }
 

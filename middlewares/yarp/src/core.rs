@@ -5,7 +5,7 @@ use std::hash::{BuildHasher as _, RandomState};
 use std::io::{Read as _, Write as _};
 use std::net::{TcpListener, TcpStream};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Sender as Submit, channel};
+use std::sync::mpsc::{Receiver, Sender as Submit, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -15,15 +15,14 @@ use genom_middleware::{Address, OpenError};
 
 use crate::calls::Calls;
 use crate::error::{BACKEND, NameError, YarpError};
-use crate::io::{Around, Command, Io};
+use crate::io::{self, Around, Command, Io};
+use crate::jobs::Job;
+use crate::line::Line;
 use crate::mark::{self, Mark};
 use crate::names::{Contact, Names};
 use crate::options::Settings;
 use crate::port::{Port, Role};
-use crate::ports::{Line, Readers};
 use crate::refusals::Refusals;
-use crate::services::Desks;
-use crate::steward::{self, Job};
 
 /// How long a registered port may take to say that it is there.
 const TO_SHOW: Duration = Duration::from_millis(1500);
@@ -46,8 +45,6 @@ pub(crate) struct Core {
     pub(crate) io: Io,
     pub(crate) sender: Sender<Nothing>,
     pub(crate) refusals: Arc<Refusals>,
-    pub(crate) readers: Readers,
-    pub(crate) desks: Desks,
     /// Open ports by name, with their property.
     ports: Mutex<HashMap<String, (Arc<Port>, String)>>,
     /// What ports of others are, as far as it was asked for.
@@ -73,7 +70,8 @@ pub(crate) enum Presence {
 }
 
 impl Core {
-    pub(crate) fn new(settings: Settings) -> Result<Arc<Self>, YarpError> {
+    /// With the jobs that it has for the steward.
+    pub(crate) fn new(settings: Settings) -> Result<(Arc<Self>, Receiver<Job>), YarpError> {
         let io = Io::new()?;
         let (steward, jobs) = channel();
         let (calls, calling) = Calls::start()?;
@@ -84,15 +82,13 @@ impl Core {
             refusals: Arc::clone(&refusals),
             largest: settings.largest_message,
         };
-        let connecting = io.start(around)?;
+        let connecting = io::start(&io, around)?;
         let core = Arc::new(Self {
             names: Names::new(settings.server.clone()),
             settings,
             io,
             sender: Sender::single(BACKEND, true, Nothing)?,
             refusals,
-            readers: Readers::default(),
-            desks: Desks::default(),
             ports: Mutex::default(),
             known: Mutex::default(),
             steward,
@@ -101,11 +97,12 @@ impl Core {
             registered: AtomicU64::new(0),
             id: format!("{:08x}", RandomState::new().hash_one(std::process::id()) as u32),
         });
-        let weak = Arc::downgrade(&core);
-        let looking = std::thread::Builder::new().name("yarp-steward".to_owned());
-        let looking = looking.spawn(move || steward::run(&jobs, &weak))?;
-        core.threads.lock().unwrap_or_else(PoisonError::into_inner).push(looking);
-        Ok(core)
+        Ok((core, jobs))
+    }
+
+    /// Waits for this thread at the end.
+    pub(crate) fn joins(&self, thread: JoinHandle<()>) {
+        self.threads.lock().unwrap_or_else(PoisonError::into_inner).push(thread);
     }
 
     fn lock(&self) -> MutexGuard<'_, HashMap<String, (Arc<Port>, String)>> {

@@ -9,8 +9,8 @@ use genom_types::{DataType, Record};
 
 use crate::bottle::reader::{Item, List, Reader};
 use crate::bottle::{Value, decode, encode};
-use crate::calls::Calls;
-use crate::io::{Command, Io, Reply};
+use crate::calls::{Calls, Serve};
+use crate::replies::{Reply, Respond};
 use crate::runs::{Key, Runs, Waiting};
 use crate::words;
 
@@ -19,7 +19,7 @@ pub(crate) struct Desk {
     component: String,
     services: Mutex<BTreeMap<String, Arc<Entry>>>,
     runs: Mutex<Runs>,
-    io: Io,
+    connections: Box<dyn Respond>,
 }
 
 /// A service.
@@ -43,9 +43,13 @@ fn error(sentence: impl Into<String>) -> Vec<u8> {
 }
 
 impl Desk {
-    pub(crate) fn new(component: &str, io: Io) -> Arc<Self> {
-        let component = component.to_owned();
-        Arc::new(Self { component, services: Mutex::default(), runs: Mutex::default(), io })
+    pub(crate) fn new(component: &str, connections: impl Respond + 'static) -> Arc<Self> {
+        Arc::new(Self {
+            component: component.to_owned(),
+            services: Mutex::default(),
+            runs: Mutex::default(),
+            connections: Box::new(connections),
+        })
     }
 
     /// Adds a service. Returns false if there is one of that name.
@@ -85,17 +89,7 @@ impl Desk {
     }
 
     fn answer(&self, token: u64, bottle: Vec<u8>) {
-        self.io.submit(Command::Reply { token, reply: Reply::Bottle(bottle) });
-    }
-
-    /// Serves a request. `token` is the connection, which waits if it `replies`.
-    pub(crate) fn hear(self: &Arc<Self>, token: u64, replies: bool, request: &[u8]) {
-        let to = replies.then_some(token);
-        if let Err(answer) = self.serve(to, request)
-            && replies
-        {
-            self.answer(token, answer);
-        }
+        self.connections.respond(token, Reply::Bottle(bottle));
     }
 
     /// `Err` is an answer that is given at once.
@@ -240,6 +234,17 @@ impl Desk {
         let waiting = lock(&self.runs).report(key, report, last);
         if let Some((token, report)) = waiting {
             self.answer(token, report);
+        }
+    }
+}
+
+impl Serve for Desk {
+    fn hear(self: Arc<Self>, token: u64, replies: bool, request: &[u8]) {
+        let to = replies.then_some(token);
+        if let Err(answer) = self.serve(to, request)
+            && replies
+        {
+            self.answer(token, answer);
         }
     }
 }

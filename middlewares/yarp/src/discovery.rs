@@ -7,10 +7,10 @@ use genom_middleware::{Address, DiscoverError, Discovery, Endpoint, EndpointKind
 
 use crate::backend::Yarp;
 use crate::core::Core;
+use crate::desks::RPC;
 use crate::error::{BACKEND, NameError};
 use crate::mark::{self, Mark};
 use crate::names::{Contact, is_name};
-use crate::services::RPC;
 
 impl Core {
     /// What a listed port says of itself. Asked for once for each port of others, but for services,
@@ -77,10 +77,10 @@ impl Discovery for Yarp {
             backend: BACKEND.to_owned(),
             why: error.to_string(),
         };
-        self.0.list().map_err(failed)
+        self.core.list().map_err(failed)
     }
 
     fn spelled(&self, at: &Address) -> String {
-        self.0.name_of(at).trim_start_matches('/').to_owned()
+        self.core.name_of(at).trim_start_matches('/').to_owned()
     }
 }

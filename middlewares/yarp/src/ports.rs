@@ -1,13 +1,11 @@
 //! Ports: how they are opened, and their ends as the runtime sees them.
 
-use std::collections::HashMap;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use genom_kit::intake::{Intake, Keeping};
 use genom_kit::mailbox::Mailbox;
 use genom_kit::outlet::Outlet;
-use genom_kit::sender;
 use genom_middleware::describe::type_of_port;
 use genom_middleware::{
     Address, OpenError, Policy, PortSpec, Ports, PublishError, Publisher, ReadError, Reading,
@@ -16,17 +14,16 @@ use genom_middleware::{
 use genom_types::{DataType, Record};
 
 use crate::backend::Yarp;
-use crate::bottle::encode;
 use crate::core::{Core, Presence};
 use crate::error::{BACKEND, NameError};
-use crate::in_port::{InPort, Inbox};
+use crate::in_port::Inbox;
 use crate::io::Command;
+use crate::line::Line;
 use crate::mark::{self, Mark, Type};
 use crate::names::{Contact, is_name};
 use crate::out_port::OutPort;
 use crate::port::{Port, Role};
-use crate::steward::Asking;
-use crate::wire::{self, Purpose};
+use crate::readers::Part;
 
 /// Greatest number of unsent samples per out port and connection, and of bytes that they may take.
 const UNSENT: usize = 16;
@@ -100,7 +97,7 @@ impl Core {
 impl Ports for Yarp {
     fn publisher(&self, port: &PortSpec<'_>) -> Result<Box<dyn Publisher>, OpenError> {
         let PortSpec { address: at, ty, .. } = *port;
-        let core = &self.0;
+        let core = &self.core;
         let name = core.checked_name(at)?;
         if core.own(&name).is_some() {
             return Err(OpenError::Taken { address: at.clone() });
@@ -139,7 +136,7 @@ impl Ports for Yarp {
         policy: Policy,
     ) -> Result<Box<dyn Subscription>, OpenError> {
         let PortSpec { address: at, ty, .. } = *port;
-        let core = &self.0;
+        let core = &self.core;
         let Keeping { depth, full, counts } = Keeping::of(policy, BACKEND, ty)?;
         let name = core.checked_name(at)?;
         let source = core.names.query(&name).map_err(|error| core.failed(at, error))?;
@@ -153,30 +150,8 @@ impl Ports for Yarp {
         }
         let mailbox = Mailbox::new(depth, room(ty), full).dated();
         let inbox = Arc::new(Inbox::new(mailbox));
-        let shared = core.readers.join(core, at, &name, ty, &inbox)?;
+        let shared = self.readers.join(core, at, &name, ty, &inbox)?;
         Ok(Box::new(In { intake: Intake::new(ty), inbox, counts, _shared: shared }))
-    }
-}
-
-/// An out port as the sending thread sees it.
-pub(crate) struct Line {
-    outlet: Arc<Outlet>,
-    out: Arc<OutPort>,
-}
-
-impl sender::Line for Line {
-    fn send(&mut self) -> bool {
-        let Some(sample) = self.outlet.take() else { return false };
-        let mut message = Vec::with_capacity(wire::HEADER + sample.as_ref().len() * 2 + 64);
-        wire::begin(Purpose::Data { reply: false }, &mut message);
-        match encode::append(&self.out.ty, sample.as_ref(), &mut message) {
-            Ok(()) => {
-                wire::close(&mut message);
-                self.out.send(Arc::new(message));
-            }
-            Err(_) => self.outlet.refuse(),
-        }
-        true
     }
 }
 
@@ -212,75 +187,6 @@ impl Drop for Out {
     fn drop(&mut self) {
         self.core.sender.orders().remove(self.line, |_, line| drop(line));
         self.core.close(&self.port);
-    }
-}
-
-/// Names and digests of the out ports that are read, with the in port that does.
-#[derive(Default)]
-pub(crate) struct Readers(Mutex<HashMap<(String, String), Weak<Reads>>>);
-
-/// An in port on YARP, which all readers of one out port share.
-struct Reads {
-    port: Arc<Port>,
-    core: Arc<Core>,
-}
-
-impl Drop for Reads {
-    fn drop(&mut self) {
-        self.core.close(&self.port);
-    }
-}
-
-/// A reader's part of an in port.
-struct Part {
-    inbox: Arc<Inbox>,
-    reads: Arc<Reads>,
-}
-
-impl Drop for Part {
-    fn drop(&mut self) {
-        if let Role::In(port) = &self.reads.port.role {
-            port.leave(&self.inbox);
-        }
-    }
-}
-
-impl Readers {
-    fn join(
-        &self,
-        core: &Arc<Core>,
-        at: &Address,
-        name: &str,
-        ty: &DataType,
-        inbox: &Arc<Inbox>,
-    ) -> Result<Part, OpenError> {
-        // Held while it is opened: another reader that comes meanwhile shares it.
-        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        all.retain(|_, reads| reads.strong_count() > 0);
-        let key = (name.to_owned(), ty.digest().to_owned());
-        let reads = match all.get(&key).and_then(Weak::upgrade) {
-            Some(reads) => reads,
-            None => {
-                let port = InPort::new(ty, name.to_owned());
-                let (own, property) = (core.reader_of(name), mark::of_port(ty, true));
-                let port = core.open(at, &own, property, Role::In(Arc::new(port)))?;
-                let reads = Arc::new(Reads { port, core: Arc::clone(core) });
-                all.insert(key, Arc::downgrade(&reads));
-                // After it is registered: a writer that comes from now on finds it by itself.
-                let source = core.names.query(name).ok().flatten();
-                if let Some(at) = source.and_then(|source| source.address()) {
-                    Asking::send(&core.io, &reads.port, at, core.settings.carrier);
-                }
-                core.names.announce(&own);
-                core.look();
-                reads
-            }
-        };
-        drop(all);
-        if let Role::In(port) = &reads.port.role {
-            port.join(inbox);
-        }
-        Ok(Part { inbox: Arc::clone(inbox), reads })
     }
 }
 

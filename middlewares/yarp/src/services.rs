@@ -1,7 +1,6 @@
 //! Services: `/<component>/rpc` is open while a service of the component is served.
 
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use genom_middleware::{Address, Client, OpenError, Served, ServiceHandler, ServiceType, Services};
 
@@ -9,18 +8,9 @@ use crate::backend::Yarp;
 use crate::client::YarpClient;
 use crate::core::Core;
 use crate::desk::Desk;
+use crate::desks::{Desks, RPC};
 use crate::mark;
-use crate::port::{Port, Role};
-
-/// Name of the port of services among those of a component.
-pub(crate) const RPC: &str = "rpc";
-
-/// The ports of services, by component.
-#[derive(Default)]
-pub(crate) struct Desks(Mutex<HashMap<String, Open>>);
-
-/// A port of services.
-type Open = (Arc<Port>, Arc<Desk>);
+use crate::port::Role;
 
 impl Services for Yarp {
     fn serve(
@@ -29,8 +19,8 @@ impl Services for Yarp {
         service: &ServiceType,
         handler: Arc<dyn ServiceHandler>,
     ) -> Result<Box<dyn Served>, OpenError> {
-        let core = &self.0;
-        let mut all = core.desks.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let core = &self.core;
+        let mut all = self.desks.lock();
         let (port, desk) = match all.get(&at.instance) {
             Some((port, desk)) => (Arc::clone(port), Arc::clone(desk)),
             None => {
@@ -54,11 +44,12 @@ impl Services for Yarp {
         core.describe(&port, mark::of_services(&desk.names()));
         drop(all);
         core.names.announce(&port.name);
-        Ok(Box::new(YarpServed { at: at.clone(), core: Arc::clone(core) }))
+        let (core, desks) = (Arc::clone(core), Arc::clone(&self.desks));
+        Ok(Box::new(YarpServed { at: at.clone(), core, desks }))
     }
 
     fn client(&self, at: &Address, service: &ServiceType) -> Result<Box<dyn Client>, OpenError> {
-        let core = &self.0;
+        let core = &self.core;
         let port = core.checked_name(&Address::new(&at.instance, RPC))?;
         let (at, service) = (at.clone(), service.clone());
         Ok(Box::new(YarpClient { at, port, service, core: Arc::clone(core) }))
@@ -69,13 +60,14 @@ impl Services for Yarp {
 struct YarpServed {
     at: Address,
     core: Arc<Core>,
+    desks: Arc<Desks>,
 }
 
 impl Served for YarpServed {}
 
 impl Drop for YarpServed {
     fn drop(&mut self) {
-        let mut all = self.core.desks.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut all = self.desks.lock();
         let Some((port, desk)) = all.get(&self.at.instance).cloned() else { return };
         let others = desk.names().into_iter().filter(|name| *name != self.at.name);
         let others: Vec<String> = others.collect();

@@ -1,13 +1,16 @@
 //! The thread that talks with the name server: it connects in ports to the out ports that they
 //! read, and registers everything again at a name server that was started anew.
 
+use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use crate::core::Core;
 use crate::io::{Answer, Command, Errand, Io, Lost, Step};
+use crate::jobs::Job;
 use crate::port::{Port, Role};
 use crate::wire::Carrier;
 
@@ -20,17 +23,13 @@ const SOON: Duration = Duration::from_millis(20);
 /// With that many in ports without an out port, one list is asked for instead.
 const LISTED: usize = 16;
 
-/// What the thread is asked to do.
-pub(crate) enum Job {
-    /// Connect an out port to a reader, of which the name is known.
-    Connect { port: Arc<Port>, to: String, carrier: Carrier, answer: Answer },
-    /// Look for out ports now.
-    Look,
-    /// End.
-    End,
+/// Starts the thread.
+pub(crate) fn start(jobs: Receiver<Job>, core: Weak<Core>) -> io::Result<JoinHandle<()>> {
+    let thread = std::thread::Builder::new().name("yarp-steward".to_owned());
+    thread.spawn(move || run(&jobs, &core))
 }
 
-pub(crate) fn run(jobs: &Receiver<Job>, core: &Weak<Core>) {
+fn run(jobs: &Receiver<Job>, core: &Weak<Core>) {
     let (mut due, mut absent) = (Instant::now() + LOOK, false);
     loop {
         let left = due.saturating_duration_since(Instant::now());

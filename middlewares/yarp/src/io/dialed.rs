@@ -8,10 +8,10 @@ use std::time::{Duration, Instant};
 use rustix::event::epoll::EventFlags;
 use rustix::net::{AddressFamily, SocketFlags, SocketType, connect, socket_with, sockopt};
 
-use super::reactor::{Reactor, Source};
-use super::{Answer, Errand, Lost, Step};
+use super::connections::{Dialed, Purpose, Reactor, Source, Stage};
+use super::errands::{Lost, Step};
 use crate::out_port::{Link, MOST_LINKS};
-use crate::port::{Port, Role};
+use crate::port::Role;
 use crate::wire::{self, Carrier};
 
 /// How long a peer may take to accept and to greet, and to answer an errand that does not wait.
@@ -22,32 +22,6 @@ const TO_FINISH: Duration = Duration::from_secs(1);
 
 /// Greatest number of bytes that a peer may send on an errand.
 const MOST_HEARD: usize = 64 << 20;
-
-/// A connection that this side dialled.
-pub(super) struct Dialed {
-    pub(super) stream: Arc<TcpStream>,
-    stage: Stage,
-    /// What was not sent yet.
-    out: Vec<u8>,
-    heard: Vec<u8>,
-    pub(super) deadline: Option<Instant>,
-    pub(super) purpose: Purpose,
-    peer: SocketAddr,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Stage {
-    Dialing,
-    Greeting,
-    Open,
-    /// The port was closed; it ends when all is sent.
-    Closing,
-}
-
-pub(super) enum Purpose {
-    Link { port: Arc<Port>, to: String, carrier: Carrier, answer: Option<Answer> },
-    Errand(Option<Box<dyn Errand>>),
-}
 
 impl Purpose {
     fn carrier(&self) -> Carrier {

@@ -1,7 +1,7 @@
 //! Connections that others dialled.
 
 use std::io::{ErrorKind, Read as _, Write as _};
-use std::net::{IpAddr, TcpListener, TcpStream};
+use std::net::TcpListener;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -9,12 +9,13 @@ use std::time::{Duration, Instant};
 use rustix::event::epoll::EventFlags;
 use rustix::net::sockopt;
 
-use super::Reply;
-use super::reactor::{Reactor, Source};
+use super::connections::{Incoming, Reactor, Source};
 use crate::admin::{self, Then};
 use crate::bottle::Value;
 use crate::inbound::{Event, Inbound};
+use crate::jobs::Job;
 use crate::port::{Port, Role};
+use crate::replies::{Reply, Respond as _};
 use crate::wire::{self, Carrier, Purpose};
 
 /// Greatest number of connections that others dialled, to all ports.
@@ -39,28 +40,6 @@ enum Accepted {
     None,
     /// The system has no room for one.
     Pause,
-}
-
-/// A connection that another dialled.
-pub(super) struct Incoming {
-    stream: TcpStream,
-    peer: IpAddr,
-    pub(super) port: Arc<Port>,
-    inbound: Inbound,
-    /// Name of the peer's port, once it has said it.
-    name: String,
-    carrier: Carrier,
-    /// Answers that were not sent yet.
-    out: Vec<u8>,
-    /// Whether it waits for an answer. Nothing more is read until then.
-    waits: bool,
-    pub(super) deadline: Option<Instant>,
-    /// When something came last.
-    heard: Instant,
-    /// Bytes that it held when that was counted.
-    held: usize,
-    /// The events that it is watched for.
-    interest: EventFlags,
 }
 
 impl Incoming {
@@ -162,7 +141,7 @@ impl Reactor {
         {
             tracing::info!(from = name, to = incoming.port.name, "a YARP connection ended");
             // Another writer may be there already.
-            let _ = self.around.steward.send(crate::steward::Job::Look);
+            let _ = self.around.steward.send(Job::Look);
         }
     }
 
@@ -305,6 +284,7 @@ impl Reactor {
             Role::In(port) => port.take(token, bottle, incoming.peer, &self.around.refusals),
             Role::Rpc(desk) => {
                 incoming.waits = reply;
+                let desk = Arc::clone(desk);
                 let heard = self.around.calls.hear(desk, token, reply, bottle.to_vec());
                 if heard {
                     return Self::acknowledge(incoming);
@@ -347,12 +327,11 @@ impl Reactor {
                 let io = self.io.clone();
                 let port = Arc::clone(&incoming.port);
                 let answer = Box::new(move |made| {
-                    let reply = answer(made);
-                    io.submit(super::Command::Reply { token, reply });
+                    io.respond(token, answer(made));
                 });
-                let job = crate::steward::Job::Connect { port, to, carrier, answer };
+                let job = Job::Connect { port, to, carrier, answer };
                 if let Err(refused) = self.around.steward.send(job)
-                    && let crate::steward::Job::Connect { answer, .. } = refused.0
+                    && let Job::Connect { answer, .. } = refused.0
                 {
                     answer(Err("this side ends".to_owned()));
                 }

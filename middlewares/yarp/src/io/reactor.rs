@@ -1,23 +1,20 @@
 //! The thread of connections: waits for events, and passes each to its connection.
 
 use std::collections::HashMap;
+use std::io;
 use std::mem::MaybeUninit;
 use std::net::TcpListener;
-use std::os::fd::AsFd;
 use std::sync::Arc;
-use std::sync::mpsc::Sender;
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use rustix::event::epoll::{self, EventFlags};
 use rustix::time::Timespec;
 
-use super::dialed::{Dialed, Purpose};
-use super::incoming::Incoming;
-use super::{Command, Io, Lost, WAKE};
-use crate::calls::Calls;
-use crate::port::Port;
-use crate::refusals::Refusals;
-use crate::steward::Job;
+use super::commands::{Command, Io, WAKE};
+use super::connections::{Around, Dialed, Purpose, Reactor, Source};
+use super::errands::Lost;
+use crate::port::{Port, Role};
 
 /// Time between two looks at deadlines, while there are any.
 const LOOK: Duration = Duration::from_millis(200);
@@ -25,36 +22,14 @@ const LOOK: Duration = Duration::from_millis(200);
 /// Bytes read at once.
 const SCRATCH: usize = 1 << 16;
 
-/// What the thread has to do with.
-pub(crate) struct Around {
-    pub(crate) steward: Sender<Job>,
-    pub(crate) calls: Arc<Calls>,
-    pub(crate) refusals: Arc<Refusals>,
-    /// Greatest size of a message.
-    pub(crate) largest: usize,
+/// Starts the thread.
+pub(crate) fn start(io: &Io, around: Around) -> io::Result<JoinHandle<()>> {
+    let io = io.clone();
+    let thread = std::thread::Builder::new().name("yarp-io".to_owned());
+    thread.spawn(move || run(io, around))
 }
 
-pub(super) enum Source {
-    Listener { listener: TcpListener, port: Arc<Port>, paused: bool },
-    Incoming(Incoming),
-    Dialed(Dialed),
-}
-
-pub(super) struct Reactor {
-    pub(super) io: Io,
-    pub(super) around: Around,
-    pub(super) sources: HashMap<u64, Source>,
-    pub(super) scratch: Vec<u8>,
-    /// Number of connections that others dialled, and the bytes that they hold.
-    pub(super) incoming: usize,
-    pub(super) held: usize,
-    /// Whether some source has a deadline.
-    pub(super) timed: bool,
-    /// Connections to close after the event.
-    pub(super) cut: Vec<u64>,
-}
-
-pub(super) fn run(io: Io, around: Around) {
+fn run(io: Io, around: Around) {
     if let Err(error) = genom_kit::prompt::be_prompt() {
         tracing::debug!(%error, "YARP's connections may wait for their turn");
     }
@@ -193,7 +168,7 @@ impl Reactor {
             Some(Source::Incoming(incoming)) => self.incoming_ended(token, &incoming),
             Some(Source::Dialed(mut dialed)) => {
                 if let Purpose::Link { port, .. } = &dialed.purpose
-                    && let crate::port::Role::Out(out) = &port.role
+                    && let Role::Out(out) = &port.role
                 {
                     out.leave(token);
                 }
@@ -233,23 +208,6 @@ impl Reactor {
                 }
                 None => {}
             }
-        }
-    }
-
-    pub(super) fn watch(
-        &self,
-        source: impl AsFd,
-        token: u64,
-        flags: EventFlags,
-    ) -> std::io::Result<()> {
-        let data = epoll::EventData::new_u64(token);
-        Ok(epoll::add(&**self.io.epoll(), source, data, flags)?)
-    }
-
-    pub(super) fn rewatch(&self, source: impl AsFd, token: u64, flags: EventFlags) {
-        let data = epoll::EventData::new_u64(token);
-        if let Err(error) = epoll::modify(&**self.io.epoll(), source, data, flags) {
-            tracing::debug!(%error, "a YARP connection is not watched");
         }
     }
 }

@@ -9,9 +9,6 @@ use genom_tests::{files, repository};
 
 use super::uses::{Uses, uses};
 
-/// Crates that still have circles. A crate listed here without any fails the test.
-const CIRCULAR: &[&str] = &["genom-yarp"];
-
 /// All files that each file uses, directly or indirectly.
 fn reached(uses: &Uses) -> BTreeMap<&str, BTreeSet<&str>> {
     let mut below: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
@@ -70,7 +67,6 @@ fn no_file_uses_one_that_uses_it() {
         .collect();
     let mut wrong = String::new();
     for package in &metadata.packages {
-        let mut circular = false;
         let targets = package.targets.iter();
         for target in
             targets.filter(|t| t.is_lib() || t.is_bin() || t.is_proc_macro() || t.is_cdylib())
@@ -79,14 +75,8 @@ fn no_file_uses_one_that_uses_it() {
             let root = relative(target.src_path.as_std_path()).replace("tests/../", "");
             let uses = uses(&root, &texts);
             for circle in circles(&uses) {
-                circular = true;
-                if !CIRCULAR.contains(&package.name.as_str()) {
-                    wrong += &format!("{}:\n{}", package.name, drawn(&uses, &circle));
-                }
+                wrong += &format!("{}:\n{}", package.name, drawn(&uses, &circle));
             }
-        }
-        if !circular && CIRCULAR.contains(&package.name.as_str()) {
-            wrong += &format!("{} has no circle any more: take it from CIRCULAR\n", package.name);
         }
     }
     assert!(wrong.is_empty(), "files that use each other (what both need goes below):\n{wrong}");
