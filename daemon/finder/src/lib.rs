@@ -9,5 +9,5 @@ mod locate;
 mod undefined;
 
 pub use known::{Description, Known, ReadError, Reading, Texts};
-pub use locate::{LocateError, Located, locate, names_script};
+pub use locate::{LocateError, Located, component_name, locate, names_script};
 pub use undefined::defined_in;

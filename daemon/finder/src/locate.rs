@@ -225,14 +225,17 @@ fn description_of(library: &Path) -> Result<(Description, Option<Contents>), Loc
     }
 }
 
-/// Name of the component: `demo` for `demo.so`, `libdemo_codels.so`, `libdemo.so.1` or
-/// `libdemo_codels-1.2.so`.
-fn component_name(library: &Path) -> String {
-    let file = library.file_name().unwrap_or_default().to_string_lossy();
-    if is_script(library) {
-        return library.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    }
-    let stem = file.split(".so").next().unwrap_or_default();
+/// Name of the component in a library, script or description, or that is searched by it: `demo` for
+/// `demo.so`, `libdemo_codels.so`, `libdemo.so.1`, `libdemo_codels-1.2.so`, `demo.py`, `demo.gen` or
+/// `demo`.
+#[must_use]
+pub fn component_name(asked: &Path) -> String {
+    let file = asked.file_name().unwrap_or_default().to_string_lossy();
+    let version = |after: &str| after.is_empty() || after.starts_with('.');
+    let library = file.split_once(".so").filter(|(_, after)| version(after) && !is_script(asked));
+    let Some((stem, _)) = library else {
+        return asked.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    };
     let stem = stem.strip_prefix("lib").unwrap_or(stem);
     match stem.split_once("_codels") {
         Some((name, _)) => name.to_owned(),
@@ -305,11 +308,19 @@ mod tests {
     }
 
     #[test]
-    fn names_of_libraries_give_the_component() {
-        for name in
-            ["demo.so", "libdemo.so", "libdemo_codels.so", "libdemo_codels-1.2.so", "libdemo.so.1"]
-        {
+    fn names_of_files_give_the_component() {
+        for name in [
+            "x/demo.so",
+            "libdemo.so",
+            "/lib/libdemo_codels.so",
+            "libdemo_codels-1.2.so",
+            "libdemo.so.1",
+            "demo.py",
+            "demo.gen",
+            "demo",
+        ] {
             assert_eq!(component_name(Path::new(name)), "demo", "{name}");
         }
+        assert_eq!(component_name(Path::new("library.gen")), "library");
     }
 }

@@ -9,6 +9,7 @@ use genom_middleware::{
     ActivityId, Address, Middleware, OpenError, Outcome, Replies, Served, ServiceHandler,
     ServiceType,
 };
+use genom_protocol::{Code, Reason};
 use genom_registry::{BackendError, Backends, Masquerade};
 use genom_types::{DataType, LayoutError, Record};
 use serde_json::Value;
@@ -36,6 +37,15 @@ pub enum NotServed {
     /// Does not happen: the messages have a layout.
     #[error(transparent)]
     Layout(#[from] LayoutError),
+}
+
+/// A request for something that is no more was not needed.
+pub(crate) fn unless_gone<T>(asked: Result<T, Reason>) -> Result<(), Reason> {
+    const GONE: [Code; 3] = [Code::NoSuchComponent, Code::NoSuchActivity, Code::Ended];
+    match asked {
+        Err(reason) if !GONE.iter().any(|code| reason.is(*code)) => Err(reason),
+        _ => Ok(()),
+    }
 }
 
 /// A service that is offered.

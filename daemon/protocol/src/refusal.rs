@@ -42,4 +42,13 @@ impl Reason {
     pub fn is(&self, code: Code) -> bool {
         self.code == code.as_ref()
     }
+
+    /// The reason and what one can do about it, in one line.
+    #[must_use]
+    pub fn line(&self) -> String {
+        match &self.help {
+            Some(help) => format!("{}; {help}", self.message),
+            None => self.message.clone(),
+        }
+    }
 }

@@ -9,18 +9,18 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use genom_doors::Own;
-use genom_finder::{LocateError, ReadError, Reading, locate};
+use genom_finder::{LocateError, ReadError, Reading, component_name, locate};
 use genom_middleware::Address;
 use genom_nearest::suggest;
 use genom_protocol::{
-    BackendNames, Code, ConnectionRequest, LoadRequest, Reason, Remap, Renamed, routes,
+    BackendNames, ConnectionRequest, LoadRequest, Reason, Remap, renamed, routes,
 };
 use genom_registry::Backends;
 use serde_json::{Value, json};
 use tokio::runtime::Handle;
 use tokio::task::spawn_blocking;
 
-use crate::offer::{Answers, NotServed, Offered};
+use crate::offer::{Answers, NotServed, Offered, unless_gone};
 use messages::Service;
 use wanted::{Rules, Unwanted, attributes, cell, parameter, refused, rules};
 
@@ -76,7 +76,7 @@ pub fn contain(
 /// Why a component was not loaded, or not unloaded.
 #[derive(Debug, thiserror::Error)]
 enum Failure {
-    #[error("{}{}", .0.message, .0.help.as_ref().map(|help| format!("; {help}")).unwrap_or_default())]
+    #[error("{}", .0.line())]
     Refused(Reason),
     #[error("package `{name}` is not among those of this container; {help}")]
     NotListed { name: String, help: String },
@@ -161,16 +161,6 @@ fn all<'a>(input: &'a Value, member: &str) -> &'a [Value] {
     input[member].as_array().map(Vec::as_slice).unwrap_or_default()
 }
 
-/// Name of the component in a library, a description, or as it is searched.
-fn component_of(listed: &str) -> &str {
-    let file = Path::new(listed).file_name().and_then(|name| name.to_str()).unwrap_or(listed);
-    let stem = file.split('.').next().unwrap_or(file);
-    match stem.strip_prefix("lib") {
-        Some(rest) if file.contains(".so") => rest.split("_codels").next().unwrap_or(rest),
-        _ => stem,
-    }
-}
-
 impl Node {
     fn lock(&self) -> MutexGuard<'_, (u64, BTreeMap<u64, Loaded>)> {
         self.loaded.lock().unwrap_or_else(PoisonError::into_inner)
@@ -190,11 +180,12 @@ impl Node {
 
     /// The library, description or name that the configuration lists for a package.
     fn listed(&self, package: &str) -> Result<&str, Failure> {
-        let names = self.what.components.iter();
-        let found = names.clone().find(|listed| component_of(listed) == package);
-        found.map(String::as_str).ok_or_else(|| Failure::NotListed {
+        let listed = &self.what.components;
+        let names: Vec<String> = listed.iter().map(|one| component_name(Path::new(one))).collect();
+        let found = listed.iter().zip(&names).find(|(_, name)| *name == package);
+        found.map(|(listed, _)| &**listed).ok_or_else(|| Failure::NotListed {
             name: package.to_owned(),
-            help: suggest(package, names.map(|listed| component_of(listed))),
+            help: suggest(package, names.iter().map(String::as_str)),
         })
     }
 
@@ -240,9 +231,9 @@ impl Node {
 
     /// Namespace and name of the node of an instance, without slashes around them.
     fn node_of(&self, instance: &str, remap: &[Remap]) -> (String, String) {
-        let last = |what: &Renamed| remap.iter().rfind(|rule| rule.what == *what);
-        let namespace = last(&Renamed::Namespace).map_or(&*self.namespace, |rule| &rule.to);
-        let node = last(&Renamed::Node).map_or(instance, |rule| &rule.to);
+        let names = renamed(instance, remap);
+        let node = names.iter().find(|(of, _)| of == instance).map_or(instance, |(_, to)| to);
+        let (namespace, node) = node.rsplit_once('/').unwrap_or((&self.namespace, node));
         (namespace.trim_matches('/').to_owned(), node.to_owned())
     }
 
@@ -294,25 +285,9 @@ impl Node {
         self.look().await;
         let known = self.lock().1.get(&number).cloned();
         let Some(Loaded { instance, .. }) = known else { return Err(Failure::Unknown(number)) };
-        match self.plane.ask(&routes::unload(&instance), None).await {
-            Err(reason) if !reason.is(Code::NoSuchComponent) => return Err(reason.into()),
-            _ => {}
-        }
+        unless_gone(self.plane.ask(&routes::unload(&instance), None).await)?;
         self.lock().1.remove(&number);
         tracing::info!("{instance}: unloaded, as ROS asked");
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_package_is_named_like_the_component_in_it() {
-        for listed in ["demo", "/lib/demo.so", "x/libdemo_codels.so", "libdemo.so.1", "demo.gen"] {
-            assert_eq!(component_of(listed), "demo", "{listed}");
-        }
-        assert_eq!(component_of("library.gen"), "library");
     }
 }

@@ -16,12 +16,12 @@ use serde_json::{Value, json};
 use super::machine::{State, Transition, graph, states};
 use super::managed::Managed;
 use super::messages::Service;
-use crate::offer::Answers;
+use crate::offer::{Answers, unless_gone};
 
 /// Why a transition failed.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
-    #[error("{}{}", .0.message, help(.0))]
+    #[error("{}", .0.line())]
     Refused(Reason),
     #[error("{service} ended with {exception}")]
     Exception { service: String, exception: String },
@@ -32,19 +32,6 @@ pub(crate) enum Failure {
 impl From<Reason> for Failure {
     fn from(reason: Reason) -> Self {
         Self::Refused(reason)
-    }
-}
-
-fn help(reason: &Reason) -> String {
-    reason.help.as_ref().map(|help| format!("; {help}")).unwrap_or_default()
-}
-
-/// A request for something that is no more was not needed.
-fn unless_gone<T>(asked: Result<T, Reason>) -> Result<(), Reason> {
-    const GONE: [Code; 3] = [Code::NoSuchComponent, Code::NoSuchActivity, Code::Ended];
-    match asked {
-        Err(reason) if !GONE.iter().any(|code| reason.is(*code)) => Err(reason),
-        _ => Ok(()),
     }
 }
 
