@@ -10,7 +10,7 @@ import unittest
 
 import genom
 
-from .test_embedded import DEMO, MISSION, Case, ended
+from .test_embedded import DEMO, MISSION, Case, ended, run_of
 from .test_embedded_files import files
 
 DESCRIPTION = """component arm {
@@ -98,25 +98,10 @@ class Cells(Case):
         left = [name for name in os.listdir("/dev/shm") if name.startswith(d._name)]
         self.assertEqual(left, [])
 
-    def run_of(self, cell):
-        """What the axis does on its way to 1 m, in a cell or in the daemon."""
-        with genom.Daemon() as d:
-            demo = d.load(DEMO, cell=cell)
-            gain, position = d.port(demo.parameter), d.port(demo.position)
-            gain.write(1.0)
-            moves = demo.goto(1.0, ack=True)
-            seen = []
-            while moves.status == genom.Status.SENT:
-                d.step(0.005)
-                seen.append((position.data.position, position.data.velocity, position.count))
-                gain.write(1.0 if seen[-1][0] < 0.5 else 0.5)
-            self.assertEqual(moves.wait(), {})
-            return seen
-
     def test_a_loop_sees_the_same_wherever_the_component_runs(self):
-        in_a_cell = self.run_of("arm")
-        self.assertEqual(in_a_cell, self.run_of("arm"))
-        self.assertEqual(in_a_cell, self.run_of(None))
+        in_a_cell = run_of(0.5, cell="arm")
+        self.assertEqual(in_a_cell, run_of(0.5, cell="arm"))
+        self.assertEqual(in_a_cell, run_of(0.5))
         self.assertGreater(len(in_a_cell), 100)
 
     def test_a_value_that_is_none_is_refused_once_and_time_stays_in_all_processes(self):

@@ -47,7 +47,11 @@ fn a_crash_of_native_code_is_told_with_the_line_that_called_it() {
 fn a_child_that_a_codel_forked_ends_and_the_codel_goes_on() {
     let (daemon, _scratch) = started(&[]);
     daemon.ctl(&["call", "axis", "how", "what=fork"]).expect_code(0).expect_out("tries = 1\n");
-    daemon.ctl(&["call", "axis", "how", "what=no"]).expect_code(0).expect_out("tries = 2\n");
+    daemon.ctl(&["call", "axis", "how", "what=fork"]).expect_code(0).expect_out("tries = 2\n");
+    daemon.ctl(&["call", "axis", "how", "what=no"]).expect_code(0).expect_out("tries = 3\n");
+    let (finished, _) = daemon.stop("TERM");
+    finished.expect_err("axis.py\", line 27, in axis_how");
+    assert_eq!(finished.err.matches("os.fork: the child ends").count(), 1, "{}", finished.err);
 }
 
 #[test]

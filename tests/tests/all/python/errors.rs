@@ -69,9 +69,14 @@ fn an_exception_in_stop_ends_the_activity() {
 }
 
 #[test]
-fn what_a_codel_prints_is_no_harm() {
+fn what_a_codel_prints_is_no_harm_and_megabytes_are_told_once_with_their_line() {
     let (daemon, _scratch) = started(&[]);
     daemon.ctl(&["call", "axis", "how", "what=print"]).expect_code(0).expect_out("tries = 1\n");
+    daemon.ctl(&["call", "axis", "how", "what=print"]).expect_code(0).expect_out("tries = 2\n");
+    let (finished, _) = daemon.stop("TERM");
+    let told = "more than 1 MiB is printed in a second";
+    finished.expect_err("axis.py\", line 26, in axis_how");
+    assert_eq!(finished.err.matches(told).count(), 1, "{}", finished.err);
 }
 
 #[test]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import faulthandler
 import os
 import sys
-import traceback
 from typing import NoReturn
 
+from ._odd import lines_of, watch
 from ._runtime import NoRuntime, Runtime
 
 _end = os._exit
@@ -43,16 +43,14 @@ def main() -> NoReturn:
     process = os.getpid()
 
     def told_exit(status: int) -> NoReturn:
-        frames = traceback.extract_stack(sys._getframe(1))
-        own = [one for one in frames if not one.filename.startswith("<codel ")]
-        shown = "".join(traceback.format_list(own)).rstrip()
         # A child that a codel forked ends as it likes.
         if os.getpid() == process:
-            runtime.log(f"os._exit({status}) ends this cell:\n{shown}")
+            runtime.log(f"os._exit({status}) ends this cell:\n{lines_of(1)}")
             runtime.exits()
         _end(status)
 
     os._exit = told_exit
+    watch(runtime.log)
     status = runtime.run(["genomd", *sys.argv[1:]])
     sys.stdout.flush()
     sys.stderr.flush()
