@@ -69,7 +69,7 @@ pub fn program(name: &str) -> PathBuf {
 /// A component of the repository, after building it: its library with its description beside it.
 #[must_use]
 pub fn component(name: &str) -> Artifact {
-    build(paths(), name).unwrap_or_else(|error| panic!("{error}"))
+    build(paths(), name, Purpose::Test).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Builds a component of `tests/fixtures` in a directory, as its author would: header from the

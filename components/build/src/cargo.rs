@@ -10,8 +10,17 @@ use crate::paths::{Paths, copy_if_changed};
 use crate::recipe::Recipe;
 
 /// Builds `library` from the package that has the recipe's name.
-pub(crate) fn library(paths: &Paths, recipe: &Recipe, library: &Path) -> Result<(), BuildError> {
-    let artifacts = cargo_build(paths, Progress::Kept, &["--package", &recipe.name])?;
+pub(crate) fn library(
+    paths: &Paths,
+    recipe: &Recipe,
+    library: &Path,
+    purpose: Purpose,
+) -> Result<(), BuildError> {
+    let selection: &[&str] = match purpose {
+        Purpose::Use => &["--package", &recipe.name],
+        Purpose::Test => &TESTED,
+    };
+    let artifacts = cargo_build(paths, Progress::Kept, selection)?;
     let built = artifacts
         .iter()
         .filter(|artifact| artifact.target.crate_types.contains(&CrateType::CDyLib))
@@ -24,7 +33,11 @@ pub(crate) fn library(paths: &Paths, recipe: &Recipe, library: &Path) -> Result<
     copy_if_changed(built.as_std_path(), library)
 }
 
-/// What programs are built for.
+/// All libraries, with the features that tests ask for: with those of any one test, here that of the
+/// package that has this file.
+const TESTED: [&str; 4] = ["--workspace", "--test", "builds", "--lib"];
+
+/// What programs and libraries of codels are built for.
 ///
 /// Cargo gives dependencies the features that all packages of one build ask for, with those of
 /// tests if there is a test among them. Other packages mean other features, and that zenoh,
@@ -50,9 +63,8 @@ pub fn build_programs<const N: usize>(
 ) -> Result<[PathBuf; N], BuildError> {
     let (option, mut arguments) = match purpose {
         Purpose::Use => ("--package", Vec::new()),
-        // Any test will do; this one is of the package that has this function.
-        // The library is what cells with codels in scripts load, beside the programs.
-        Purpose::Test => ("--bin", vec!["--workspace", "--test", "builds", "--lib"]),
+        // A library is what cells with codels in scripts load, beside the programs.
+        Purpose::Test => ("--bin", TESTED.to_vec()),
     };
     arguments.extend(names.iter().flat_map(|name| [option, *name]));
     let artifacts = cargo_build(paths, Progress::Shown, &arguments)?;

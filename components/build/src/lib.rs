@@ -45,20 +45,20 @@ pub struct Artifact {
 ///
 /// # Errors
 /// A compiler is missing or fails, or a file cannot be written.
-pub fn build_all(paths: &Paths) -> Result<Vec<Artifact>, BuildError> {
+pub fn build_all(paths: &Paths, purpose: Purpose) -> Result<Vec<Artifact>, BuildError> {
     let _lock = lock(paths)?;
-    recipe::all(&paths.root)?.iter().map(|recipe| make(paths, recipe)).collect()
+    recipe::all(&paths.root)?.iter().map(|recipe| make(paths, recipe, purpose)).collect()
 }
 
 /// Builds one component, unless it is up to date.
 ///
 /// # Errors
 /// As for [`build_all`]; or no component has this name.
-pub fn build(paths: &Paths, name: &str) -> Result<Artifact, BuildError> {
+pub fn build(paths: &Paths, name: &str, purpose: Purpose) -> Result<Artifact, BuildError> {
     let _lock = lock(paths)?;
     let recipes = recipe::all(&paths.root)?;
     match recipes.iter().find(|recipe| recipe.name == name) {
-        Some(recipe) => make(paths, recipe),
+        Some(recipe) => make(paths, recipe, purpose),
         None => Err(BuildError::Unknown {
             name: name.to_owned(),
             known: recipes.iter().map(|recipe| recipe.name.as_str()).collect::<Vec<_>>().join(", "),
@@ -76,7 +76,7 @@ fn lock(paths: &Paths) -> Result<File, BuildError> {
     Ok(lock)
 }
 
-fn make(paths: &Paths, recipe: &Recipe) -> Result<Artifact, BuildError> {
+fn make(paths: &Paths, recipe: &Recipe, purpose: Purpose) -> Result<Artifact, BuildError> {
     let directory = paths.target.join("components").join(&recipe.name);
     std::fs::create_dir_all(&directory).map_err(BuildError::file(&directory))?;
     let kind = match recipe.language {
@@ -90,7 +90,7 @@ fn make(paths: &Paths, recipe: &Recipe) -> Result<Artifact, BuildError> {
     };
     match recipe.language {
         Language::C => compile::library(paths, recipe, &artifact.library)?,
-        Language::Rust => cargo::library(paths, recipe, &artifact.library)?,
+        Language::Rust => cargo::library(paths, recipe, &artifact.library, purpose)?,
         Language::Script(extension) => {
             let script = recipe.directory.join(format!("{}.{extension}", recipe.stem));
             copy_if_changed(&script, &artifact.library)?;

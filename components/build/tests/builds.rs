@@ -6,10 +6,10 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::SystemTime;
 
-use genom_components::{BuildError, Paths, build, build_all};
+use genom_components::{BuildError, Paths, Purpose, build, build_all};
 
 fn dates(paths: &Paths) -> BTreeMap<PathBuf, SystemTime> {
-    build_all(paths)
+    build_all(paths, Purpose::Test)
         .unwrap()
         .into_iter()
         .flat_map(|artifact| [artifact.library, artifact.description])
@@ -23,7 +23,7 @@ fn dates(paths: &Paths) -> BTreeMap<PathBuf, SystemTime> {
 #[test]
 fn every_component_lies_with_its_description_under_target() {
     let paths = Paths::of_workspace().unwrap();
-    let built = build_all(&paths).unwrap();
+    let built = build_all(&paths, Purpose::Test).unwrap();
     let names: Vec<_> = built.iter().map(|artifact| artifact.name.as_str()).collect();
     assert!(names.starts_with(&["demo", "demo-2010", "demo-2011", "demo-rs"]), "{names:?}");
     let components = paths.target.join("components");
@@ -51,7 +51,8 @@ fn several_builds_at_once_agree() {
     let root = Paths::of_workspace().unwrap().root;
     let paths = Paths { root, target: target.path().to_owned() };
     let libraries: Vec<_> = std::thread::scope(|scope| {
-        let builds: Vec<_> = (0..4).map(|_| scope.spawn(|| build(&paths, "demo"))).collect();
+        let builds: Vec<_> =
+            (0..4).map(|_| scope.spawn(|| build(&paths, "demo", Purpose::Test))).collect();
         builds.into_iter().map(|build| build.join().unwrap().unwrap().library).collect()
     });
     assert!(libraries.iter().all(|library| *library == libraries[0] && library.is_file()));
@@ -71,18 +72,18 @@ fn a_changed_source_is_built_again_and_an_error_names_the_line() {
         copy_folder(&workspace.root.join(folder), &root.join(folder));
     }
     let paths = Paths { root: root.to_owned(), target: root.join("target") };
-    let library = build(&paths, "demo").unwrap().library;
+    let library = build(&paths, "demo", Purpose::Test).unwrap().library;
     let before = std::fs::read(&library).unwrap();
 
     let limits = root.join("components/demo/codels/demo_limits.h");
     let text = std::fs::read_to_string(&limits).unwrap();
     std::fs::write(&limits, text.replace("DEMO_SPEED_MAX 2.0 ", "DEMO_SPEED_MAX 3.25")).unwrap();
-    build(&paths, "demo").unwrap();
+    build(&paths, "demo", Purpose::Test).unwrap();
     assert_ne!(std::fs::read(&library).unwrap(), before, "a header is an input");
 
     let source = root.join("components/demo/codels/demo_codels.c");
     std::fs::write(&source, "int broken(void) { return }\n").unwrap();
-    let error = build(&paths, "demo").unwrap_err();
+    let error = build(&paths, "demo", Purpose::Test).unwrap_err();
     assert!(matches!(error, BuildError::Refused { .. }));
     assert!(error.to_string().contains("demo_codels.c:1:"), "{error}");
     assert!(library.is_file(), "the last good library stays");
@@ -90,7 +91,7 @@ fn a_changed_source_is_built_again_and_an_error_names_the_line() {
 
 #[test]
 fn an_unknown_component_lists_those_that_exist() {
-    let error = build(&Paths::of_workspace().unwrap(), "dmo").unwrap_err();
+    let error = build(&Paths::of_workspace().unwrap(), "dmo", Purpose::Test).unwrap_err();
     let text = "no component is called `dmo`; there are demo, demo-2010, demo-2011, demo-rs";
     assert!(error.to_string().starts_with(text), "{error}");
 }

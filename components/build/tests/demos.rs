@@ -5,13 +5,13 @@
 mod demo;
 
 use demo::{Demo, State};
-use genom_components::{Paths, build};
+use genom_components::{Paths, Purpose, build};
 
 /// Runs a scenario on both demos, and compares the results bit by bit.
 fn both<R: PartialEq + std::fmt::Debug>(scenario: impl Fn(Demo) -> R) -> R {
     let paths = Paths::of_workspace().unwrap();
     let [c, rust] = ["demo", "demo-rs"].map(|name| {
-        let (demo, event) = Demo::start(&build(&paths, name).unwrap().library);
+        let (demo, event) = Demo::start(&build(&paths, name, Purpose::Test).unwrap().library);
         assert_eq!(event, "::demo::ether", "{name}");
         scenario(demo)
     });

@@ -5,7 +5,7 @@
 use std::cell::Cell;
 use std::ffi::{CStr, c_char, c_void};
 
-use genom_components::{Paths, build};
+use genom_components::{Paths, Purpose, build};
 use libloading::{Library, Symbol};
 
 #[repr(C)]
@@ -87,7 +87,7 @@ fn goto(library: &Library, goal: f64, velocity: &mut f64) -> usize {
 }
 
 fn figure(name: &str) -> Library {
-    let artifact = build(&Paths::of_workspace().unwrap(), name).unwrap();
+    let artifact = build(&Paths::of_workspace().unwrap(), name, Purpose::Test).unwrap();
     // SAFETY: a library of codels runs no code when it is loaded.
     unsafe { Library::new(artifact.library) }.unwrap()
 }

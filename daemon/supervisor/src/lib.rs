@@ -11,8 +11,8 @@
 //! use serde_json::json;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! # let paths = genom_components::Paths::of_workspace()?;
-//! # let library = genom_components::build(&paths, "demo")?.library;
+//! # use genom_components::{Paths, Purpose, build};
+//! # let library = build(&Paths::of_workspace()?, "demo", Purpose::Test)?.library;
 //! let supervisor = Supervisor::new(Settings::default());
 //! // `library` is the path of demo.so, which has demo.gen beside it.
 //! let demo = supervisor.load(&LoadRequest { library, ..LoadRequest::default() })?;

@@ -22,10 +22,11 @@ impl Connections {
     /// use genom_supervisor::{LoadRequest, Settings, Supervisor};
     ///
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// # let paths = genom_components::Paths::of_workspace()?;
+    /// # use genom_components::{Paths, Purpose, build};
+    /// # let paths = Paths::of_workspace()?;
     /// let supervisor = Supervisor::new(Settings::default());
     /// for name in ["demo", "mission"] {
-    ///     # let library = genom_components::build(&paths, name)?.library;
+    ///     # let library = build(&paths, name, Purpose::Test)?.library;
     ///     supervisor.load(&LoadRequest { library, ..LoadRequest::default() })?;
     /// }
     /// let (inport, outport) = ("demo/parameter".into(), "mission/gain".into());

@@ -1,4 +1,4 @@
-//! Every chapter is in the summary, and every link leads somewhere. `.ci/run` has mdBook build the
+//! Every chapter is in the summary, and every link leads somewhere. `.ci/release` has mdBook build the
 //! book of these chapters.
 
 use std::collections::{BTreeMap, BTreeSet};

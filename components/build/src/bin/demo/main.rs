@@ -65,7 +65,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     say("Building genomd, genomctl and the components of this repository");
     let paths = Paths::of_workspace()?;
     let [genomd, genomctl] = build_programs(&paths, ["genomd", "genomctl"], Purpose::Use)?;
-    let components = build_all(&paths)?;
+    let components = build_all(&paths, Purpose::Use)?;
     let library = components
         .into_iter()
         .find(|artifact| artifact.name == arguments.component)
