@@ -16,7 +16,6 @@ use hiroz::context::ZContextBuilder;
 use hiroz::ffi::publisher::RawPublisher;
 use hiroz::ffi::service::RawServiceClient;
 use hiroz::ffi::subscriber::RawSubscriber;
-use hiroz::lifecycle::client::ZLifecycleClient;
 use hiroz::node::ZNode;
 use hiroz::parameter::{Parameter, ParameterClient, ParameterTarget, ParameterValue};
 use serde_json::{Value, json};
@@ -158,24 +157,6 @@ impl Peer {
                         other => json!(format!("{other:?}")),
                     };
                     Ok(json!({"names": names, "set": set, "value": value}))
-                };
-                self.runtime.block_on(work)
-            }
-            "lifecycle" => {
-                let client = ZLifecycleClient::new(node, text(given, 0)?)?;
-                let mut states = Vec::new();
-                let work = async {
-                    for step in ["configure", "activate", "deactivate", "cleanup"] {
-                        let done = match step {
-                            "configure" => client.configure(PATIENCE).await?,
-                            "activate" => client.activate(PATIENCE).await?,
-                            "deactivate" => client.deactivate(PATIENCE).await?,
-                            _ => client.cleanup(PATIENCE).await?,
-                        };
-                        let state = client.get_state(PATIENCE).await?;
-                        states.push(json!([step, done, format!("{state:?}")]));
-                    }
-                    Ok(json!(states))
                 };
                 self.runtime.block_on(work)
             }

@@ -53,3 +53,52 @@ fn hiroz_sees_components_by_their_names_and_sets_a_parameter() {
     let actions = peer.ask(&json!(["actions"]));
     assert!(actions.to_string().contains("/base/leg/goto"), "{actions}");
 }
+
+/// A service of managed nodes, and the hash that ROS 2 Jazzy publishes for its type. hiroz has a
+/// client for managed nodes, too, but with hashes that no ROS has.
+struct Managed(&'static str, &'static str, &'static str);
+
+const CHANGE: Managed = Managed(
+    "change_state",
+    "lifecycle_msgs::srv::dds_::ChangeState_",
+    "RIHS01_356fe34f0475a43acf54542013af4167b0e729f77ea22ffb045c6ad8e20668e5",
+);
+const GET: Managed = Managed(
+    "get_state",
+    "lifecycle_msgs::srv::dds_::GetState_",
+    "RIHS01_800a0a5aae599782b02932de0caf563f6dc4e7e94b794eadde075ba2cbef9795",
+);
+
+#[test]
+fn hiroz_configures_activates_and_cleans_up_a_managed_component() {
+    let demo = component("demo");
+    let (home, router) = over_zenoh(&format!(
+        r#"
+        backend = "ros2"
+        lifecycle.components = ["arm"]
+        [[component]]
+        library = "{}"
+        name = "arm"
+        "#,
+        path(&demo.library)
+    ));
+    let domain = home.memory().domain().to_string();
+    let node = format!("/{}/arm", home.memory().prefix().trim_end_matches('_'));
+    let _daemon = home.start(&[]);
+    let mut hiroz = hiroz::node(&router).unwrap();
+    let mut peer = Peer::start(hiroz.env("ROS_DOMAIN_ID", domain));
+    for Managed(name, ty, hash) in [CHANGE, GET] {
+        let there = peer.ask(&json!(["client", format!("{node}/{name}"), ty, hash]));
+        assert_eq!(there, true, "{name}");
+    }
+    // Numbers of `lifecycle_msgs/msg/Transition` and `State`.
+    for (transition, state) in [(1, 2), (3, 3), (4, 2), (2, 1)] {
+        // CDR: the number, three bytes to the next multiple of four, an empty label.
+        let request = format!("00010000{transition:02x}0000000100000000");
+        let changed = peer.ask(&json!(["call", format!("{node}/change_state"), request]));
+        assert_eq!(changed, "0001000001", "{transition}");
+        let now = peer.ask(&json!(["call", format!("{node}/get_state"), "0001000000"]));
+        let now = now.as_str().unwrap();
+        assert!(now.starts_with(&format!("00010000{state:02x}")), "{transition}: {now}");
+    }
+}
