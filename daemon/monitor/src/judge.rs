@@ -18,7 +18,7 @@ pub struct Judge {
     steps: Box<[Step]>,
     /// How many times each service of a part runs.
     running: Box<[u32]>,
-    pasts: Box<[Past]>,
+    pub(crate) pasts: Box<[Past]>,
     /// What held at the event before, of the parts that were computed.
     before: u64,
     /// The parts that another one asks for at the next event.

@@ -4,6 +4,7 @@
 
 #![forbid(unsafe_code)]
 
+mod ages;
 mod happening;
 mod judge;
 mod order;
@@ -14,6 +15,7 @@ mod sequence;
 mod steps;
 mod value;
 
+pub use ages::Noted;
 pub use happening::{Happening, Hearers, Numbers};
 pub use judge::Judge;
 pub use order::{MOST_STEPS, NoOrder, Order};

@@ -105,6 +105,21 @@ impl Past {
         self.held(now)
     }
 
+    /// Its bounds, if one date is enough for them.
+    pub(crate) fn of_one_date(&self) -> Option<Bounds> {
+        (!matches!(self.kept, Kept::Between(_))).then_some(self.bounds)
+    }
+
+    /// The date that is kept, if there is one and one is enough.
+    pub(crate) fn date(&self) -> Option<u64> {
+        (self.count > 0).then_some(self.date)
+    }
+
+    /// Puts another date in the place of the one that is kept.
+    pub(crate) fn move_to(&mut self, date: u64) {
+        self.date = date;
+    }
+
     /// Whether it held at any date that counts.
     pub(crate) fn any(&self) -> bool {
         self.count > 0

@@ -116,6 +116,7 @@ fn name(clock: Clock) -> String {
         Clock::Tick(task) => format!("t{task}"),
         Clock::Since(context) => format!("x{context}"),
         Clock::Followed(_) => "followed".into(),
+        Clock::Noted(part, _) => format!("noted_{part}"),
     }
 }
 

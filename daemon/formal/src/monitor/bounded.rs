@@ -6,12 +6,12 @@
 
 use genom_runtime::{Bounds, Part, Program};
 
+use super::fires::Fires;
+
 /// Why a formula with bounds is not decided.
-pub(super) const DATES: &str = "its bounds ask for dates, which are not explored";
-pub(super) const HOLDS: &str =
-    "its bounds ask for dates, which are not explored; without them nothing breaks it";
-pub(super) const FAILS: &str =
-    "its bounds ask for dates, which are not explored; without them it can be broken";
+pub(super) const BETWEEN: &str =
+    "of bounds of which neither is 0 or inf, more than one date counts, which is not explored";
+pub(super) const MANY: &str = "it has too many bounds for an exploration of dates";
 
 const ANY: Bounds = Bounds { least: 0, most: u64::MAX };
 
@@ -73,6 +73,16 @@ pub(super) fn without(program: &Program) -> Option<(Without, Program)> {
     };
     let parts = parts.iter().enumerate().map(free).collect();
     Some((how, Program::new(parts).ok()?))
+}
+
+/// Whether what was found of the formula without its bounds says the same of the one with them.
+pub(super) fn decides(how: Without, found: &Fires) -> bool {
+    !matches!(
+        (found, how),
+        (Fires::Never, Without::Weaker)
+            | (Fires::Can { .. } | Fires::Always { .. }, Without::Stronger)
+            | (Fires::Undecided(_), _)
+    )
 }
 
 /// Whether a part of a formula is used as it is, negated, or both.

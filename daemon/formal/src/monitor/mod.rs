@@ -5,15 +5,18 @@
 //! nothing of others comes between.
 
 mod bounded;
+mod dated;
 mod deadline;
 mod fires;
 mod heard;
+mod moment;
 mod search;
 mod step;
 
+use std::time::Instant;
+
 use genom_runtime::{Happening, Part, Program, Rule};
 
-use self::bounded::Without;
 pub use self::fires::Fires;
 use self::fires::undecided;
 use crate::explore::Limits;
@@ -26,7 +29,7 @@ impl System {
     pub fn fires(&self, rule: &Rule, times: Result<&Times, &str>, limits: &Limits) -> Fires {
         match rule {
             Rule::Order(order) => self.search(&search::Watched::Order(order), limits),
-            Rule::Formula(program) => self.formula(program, limits),
+            Rule::Formula(program) => self.formula(program, times, limits),
             Rule::After { codels, first } => {
                 let returned = first.iter().map(|ix| Happening::Return(*ix)).collect();
                 self.calls_break(
@@ -68,27 +71,27 @@ impl System {
         let calls = codels.iter().map(|ix| Happening::Call(*ix)).collect();
         let parts = [Part::Happens(calls)].into_iter().chain(more);
         match Program::new(parts.map(|part| (part, String::new())).collect()) {
-            Ok(program) => self.formula(&program, limits),
+            // It has no bounds.
+            Ok(program) => self.search(&search::Watched::Formula(&program), limits),
             Err(why) => Fires::Undecided(why.to_string()),
         }
     }
 
-    fn formula(&self, program: &Program, limits: &Limits) -> Fires {
+    fn formula(&self, program: &Program, times: Result<&Times, &str>, limits: &Limits) -> Fires {
         if !program.has_bounds() {
             return self.search(&search::Watched::Formula(program), limits);
         }
-        match bounded::without(program) {
-            Some((how, other)) => {
-                let fires = self.search(&search::Watched::Formula(&other), limits);
-                match (&fires, how) {
-                    (Fires::Never, Without::Weaker) => undecided(bounded::HOLDS),
-                    (Fires::Can { .. } | Fires::Always { .. }, Without::Stronger) => {
-                        undecided(bounded::FAILS)
-                    }
-                    _ => fires,
-                }
+        let begin = Instant::now();
+        // Without dates there is less to look at.
+        if let Some((how, other)) = bounded::without(program) {
+            let fires = self.search(&search::Watched::Formula(&other), limits);
+            if bounded::decides(how, &fires) {
+                return fires;
             }
-            None => undecided(bounded::DATES),
+        }
+        match times {
+            Ok(times) => self.dated_search(program, times, &limits.share(begin, 0)),
+            Err(why) => undecided(why),
         }
     }
 }

@@ -19,7 +19,7 @@ const TABLES: usize = ENTRY + listed::<(u32, u16)>();
 /// Of a place, beside its key.
 const PLACE: usize = ENTRY + listed::<Place>() + 1024;
 /// Limit on ports that one codel may write and that a rule hears of: each is written or not.
-const MOST_PORTS: u32 = 8;
+pub(super) const MOST_PORTS: u32 = 8;
 
 /// What goes along with the system.
 pub(super) enum Watched<'a> {

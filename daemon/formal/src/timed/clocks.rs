@@ -18,6 +18,9 @@ pub(crate) enum Clock {
     Since(u16),
     /// Time since an activity is followed, of interest up to this many nanoseconds.
     Followed(u64),
+    /// Time since the date that is noted for a part of a formula, by its number among those that have
+    /// one; compared with no more nanoseconds than this.
+    Noted(u16, u64),
 }
 
 /// Nanoseconds as a bound of a zone.
@@ -46,7 +49,7 @@ pub(crate) fn initial(system: &System, times: &Times, state: &State) -> Option<Z
         Clock::Tick(task) => {
             system.periods[usize::from(*task)].map_or(0, |p| bound((p.period - p.delay) % p.period))
         }
-        Clock::Since(_) | Clock::Followed(_) => 0,
+        Clock::Since(_) | Clock::Followed(_) | Clock::Noted(..) => 0,
     };
     let clocks = clocks(system, times, state);
     let values: Vec<i64> = clocks.iter().map(since).collect();
@@ -118,7 +121,7 @@ pub(crate) fn greatest(system: &System, times: &Times, state: &State, clock: Clo
     match clock {
         Clock::Tick(task) => system.periods[usize::from(task)].map(|period| period.period),
         Clock::Since(context) => state.lock.held_by(context).and_then(|node| times.of(node).most),
-        Clock::Followed(_) => None,
+        Clock::Followed(_) | Clock::Noted(..) => None,
     }
 }
 
@@ -151,9 +154,10 @@ pub(super) fn passed(
                 let node = state.lock.held_by(*context);
                 node.map(|node| bound(times.of(node).least)).filter(|least| *least > 0)
             }
-            Clock::Followed(most) => Some(bound(*most)),
+            Clock::Followed(most) | Clock::Noted(_, most) => Some(bound(*most)),
         };
-        guards.push(Guards { least, most });
+        let passes = matches!(clock, Clock::Noted(..));
+        guards.push(Guards { least, most: if passes { least } else { most }, passes });
     }
     Some((zone, guards))
 }

@@ -14,11 +14,15 @@ mod table;
 mod times;
 mod zone;
 
-pub(crate) use clocks::{Clock, begins, clocks, greatest, is_urgent};
+pub(crate) use clocks::{
+    Clock, begins, bound, clocks, greatest, guarded, initial, is_urgent, stepped,
+};
 pub(crate) use dates::dates;
 pub use explore::{Overrun, Timed};
 pub(crate) use potential::Potential;
 pub use report::{Dated, Seen, TaskReport, TimedReport};
 pub use respond::{Longest, Response};
 pub(crate) use seek::seek;
+pub(crate) use table::Table;
 pub use times::{Duration, Times};
+pub(crate) use zone::Zone;

@@ -29,13 +29,13 @@ struct Node {
 
 /// States with values of their clocks: none that another one includes.
 #[derive(Debug, Default)]
-pub(super) struct Table {
+pub(crate) struct Table {
     states: IndexSet<Box<[u8]>, FxBuildHasher>,
     nodes: Vec<Node>,
     /// Nodes of each state.
     of_state: Vec<Vec<u32>>,
     /// Memory that all takes, about.
-    pub(super) bytes: usize,
+    pub(crate) bytes: usize,
     /// A state as bytes, while it is looked up.
     packed: Vec<u8>,
 }
@@ -43,7 +43,19 @@ pub(super) struct Table {
 impl Table {
     /// Adds a node unless another one has all its values; returns its number.
     pub(super) fn add(&mut self, state: &State, zone: Zone, before: (u32, u16)) -> Option<u32> {
+        self.add_with(state, None, zone, before)
+    }
+
+    /// The same, of a state with the number of what goes along with it.
+    pub(crate) fn add_with(
+        &mut self,
+        state: &State,
+        along: Option<u32>,
+        zone: Zone,
+        before: (u32, u16),
+    ) -> Option<u32> {
         pack(state, &mut self.packed);
+        self.packed.extend(along.into_iter().flat_map(u32::to_le_bytes));
         let place = match self.states.get_index_of(self.packed.as_slice()) {
             Some(place) => place,
             None => {
@@ -70,13 +82,19 @@ impl Table {
     }
 
     /// A node by its number, unless another one has all its values.
-    pub(super) fn get(&self, number: u32) -> Option<(State, &Zone)> {
+    pub(crate) fn get(&self, number: u32) -> Option<(State, &Zone)> {
         let node = self.nodes.get(number as usize).filter(|node| !node.covered)?;
         Some((unpacked(self.states.get_index(node.state)?), &node.zone))
     }
 
+    /// The number of what goes along with the state of a node.
+    pub(crate) fn along(&self, number: u32) -> Option<u32> {
+        let node = self.nodes.get(number as usize)?;
+        self.states.get_index(node.state)?.last_chunk().copied().map(u32::from_le_bytes)
+    }
+
     /// Number of nodes, with those that others have all values of.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.nodes.len()
     }
 
@@ -96,7 +114,7 @@ impl Table {
     }
 
     /// A run to a node and a step from there: each state, and the step that leaves it.
-    pub(super) fn run_to(
+    pub(crate) fn run_to(
         &self,
         system: &System,
         (node, action): (u32, Action),

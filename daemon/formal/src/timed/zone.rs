@@ -20,6 +20,8 @@ pub(crate) struct Guards {
     pub(crate) least: Option<i64>,
     /// The greatest value that it must not pass.
     pub(crate) most: Option<i64>,
+    /// It may pass it all the same: a step only tells values up to it apart.
+    pub(crate) passes: bool,
 }
 
 fn sum(a: i64, b: i64) -> i64 {
@@ -92,7 +94,8 @@ impl Zone {
     /// Adds values that no guard tells from those that are there, or from which less is possible:
     /// `least` and `most` are the greatest values that later steps compare each clock with, from
     /// below and from above (Behrmann, Bouyer, Larsen, Pelanek: Lower and Upper Bounds in Zone-Based
-    /// Abstractions of Timed Automata, 2006). Values beyond `most` are left out.
+    /// Abstractions of Timed Automata, 2006). Values beyond `most` are left
+    /// out, unless the clock may pass it.
     pub(crate) fn extrapolate(&mut self, guards: &[Guards]) {
         let size = self.size;
         let at_least: Vec<i64> = (0..size).map(|clock| -self.bound(0, clock)).collect();
@@ -118,7 +121,7 @@ impl Zone {
             }
         }
         for (clock, guards) in (1..size).zip(guards) {
-            if let Some(most) = guards.most {
+            if let Some(most) = guards.most.filter(|_| !guards.passes) {
                 let bound = &mut self.bounds[clock * size];
                 changed |= most < *bound;
                 *bound = (*bound).min(most);
@@ -202,8 +205,10 @@ mod tests {
 
     #[test]
     fn what_began_later_can_do_all_that_what_began_before_can() {
-        let guards =
-            |least| [Guards { least: Some(10), most: Some(10) }, Guards { least, most: Some(5) }];
+        let guards = |least| {
+            let guards = |least, most| Guards { least, most: Some(most), passes: false };
+            [guards(Some(10), 10), guards(least, 5)]
+        };
         // A clock that ends by 5, begun when the other one was at 2, and at 3; both seen from 3 on.
         let began = |date: i64, least: Option<i64>| {
             let mut zone = Zone::point(&[date, 0]);
@@ -226,5 +231,16 @@ mod tests {
         let mut part = all.clone();
         assert!(part.at_least(1, 2) && part.at_most(1, 3));
         assert!(all.includes(&part) && !part.includes(&all));
+    }
+
+    #[test]
+    fn a_clock_that_may_pass_its_bound_keeps_the_values_beyond_it() {
+        let guards = |passes| [Guards { least: Some(5), most: Some(5), passes }];
+        for (passes, most) in [(true, None), (false, Some(5))] {
+            let mut zone = Zone::point(&[3]);
+            zone.up();
+            zone.extrapolate(&guards(passes));
+            assert_eq!(zone.most(1), most);
+        }
     }
 }

@@ -24,7 +24,8 @@ use genom_description::model::{CodelIx, Owner, PortIx, ServiceIx, StateIx, TaskI
 pub(crate) use broken::{Fact, Seen};
 pub(crate) use formulas::Formulas;
 pub use genom_monitor::{
-    Bounds, Happening, Judge, MOST_PARTS, MOST_STEPS, NoOrder, NoProgram, Order, Part, Program,
+    Bounds, Happening, Judge, MOST_PARTS, MOST_STEPS, NoOrder, NoProgram, Noted, Order, Part,
+    Program,
 };
 pub(crate) use table::Rules;
 

@@ -1,0 +1,214 @@
+//! A formula with bounds at one moment, for all dates at once: a clock counts how long ago each date
+//! was that the judge of the runtime notes, and a zone is cut where a bound tells its values apart.
+
+use genom_runtime::{Bounds, Judge, Noted};
+
+use crate::codels::small;
+use crate::timed::{Clock, Zone, bound};
+
+const ANY: Bounds = Bounds { least: 0, most: u64::MAX };
+
+/// A formula at one moment, with the clocks that there are.
+#[derive(Clone)]
+pub(super) struct Moment {
+    pub(super) judge: Judge,
+    pub(super) clocks: Vec<Clock>,
+    pub(super) zone: Zone,
+}
+
+impl Moment {
+    /// What is heard under this number happens: where that leads, and whether it breaks the
+    /// formula. `None` if some part needs more than one date.
+    pub(super) fn hear(&self, letter: usize) -> Option<Vec<(Self, bool)>> {
+        let noted = self.judge.noted()?;
+        let mut cases = vec![(self.zone.clone(), Vec::new())];
+        for (part, (bounds, is_there)) in (0u16..).zip(&noted) {
+            let clock = Clock::Noted(part, greatest(*bounds));
+            let at = self.clocks.iter().position(|known| *known == clock);
+            let Some(at) = at.filter(|_| *is_there) else {
+                cases.iter_mut().for_each(|(_, ages)| ages.push(1));
+                continue;
+            };
+            cases = cases.iter().flat_map(|case| cut(case, at + 1, *bounds)).collect();
+        }
+        let case = |(zone, ages): (Zone, Vec<u64>)| self.heard(letter, zone, &ages, &noted);
+        Some(cases.into_iter().map(case).collect())
+    }
+
+    /// The same, where the dates are so long ago, as far as the bounds tell.
+    fn heard(
+        &self,
+        letter: usize,
+        zone: Zone,
+        ages: &[u64],
+        all: &[(Bounds, bool)],
+    ) -> (Self, bool) {
+        let mut judge = self.judge.clone();
+        let (wrong, noted) = judge.hear_after(letter, ages);
+        let of_formula = |clock: &Clock| matches!(clock, Clock::Noted(..));
+        let others = self.clocks.iter().zip(1..).filter(|(clock, _)| !of_formula(clock));
+        let (mut clocks, mut sources): (Vec<Clock>, Vec<Option<usize>>) =
+            others.map(|(clock, at)| (*clock, Some(at))).unzip();
+        for ((part, (bounds, _)), noted) in (0u16..).zip(all).zip(noted) {
+            if noted == Noted::None || *bounds == ANY {
+                continue;
+            }
+            let clock = Clock::Noted(part, greatest(*bounds));
+            let before = self.clocks.iter().position(|known| *known == clock);
+            clocks.push(clock);
+            sources.push(before.filter(|_| noted == Noted::Before).map(|at| at + 1));
+        }
+        (Self { judge, clocks, zone: zone.select(&sources) }, wrong.is_some())
+    }
+
+    /// Adds the clocks of the dates that the judge has noted.
+    pub(super) fn add_noted(&mut self) {
+        let noted = self.judge.noted().unwrap_or_default();
+        let own = (0u16..).zip(noted).filter(|(_, (bounds, there))| *there && *bounds != ANY);
+        self.clocks.extend(own.map(|(part, (bounds, _))| Clock::Noted(part, greatest(bounds))));
+    }
+
+    /// The clocks of the formula.
+    pub(super) fn noted(&self) -> impl Iterator<Item = Clock> + '_ {
+        self.clocks.iter().filter(|clock| matches!(clock, Clock::Noted(..))).copied()
+    }
+}
+
+/// The greatest time that a date is compared with. Dates are whole nanoseconds.
+fn greatest(bounds: Bounds) -> u64 {
+    if bounds.least == 0 { bounds.most.saturating_add(1) } else { bounds.least }
+}
+
+/// A zone on both sides of a bound, each with a time of that side.
+fn cut(
+    (zone, ages): &(Zone, Vec<u64>),
+    clock: usize,
+    bounds: Bounds,
+) -> impl Iterator<Item = (Zone, Vec<u64>)> {
+    let above = greatest(bounds);
+    let below = above.saturating_sub(1);
+    let (mut nearer, mut farther) = (zone.clone(), zone.clone());
+    let nearer = nearer.at_most(clock, bound(below)).then_some((nearer, below));
+    let farther = farther.at_least(clock, bound(above)).then_some((farther, above));
+    let ages = ages.clone();
+    nearer.into_iter().chain(farther).map(move |(zone, age)| {
+        let ages = ages.iter().copied().chain([age]).collect();
+        (zone, ages)
+    })
+}
+
+/// The clocks that a formula has at most.
+pub(super) fn most_clocks(judge: &Judge) -> Option<u16> {
+    let bounded = judge.noted()?.iter().filter(|(bounds, _)| *bounds != ANY).count();
+    Some(small(bounded))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use genom_description::model::{CodelIx, Ix as _, ServiceIx};
+    use genom_runtime::{Happening, Part, Program};
+
+    use super::*;
+
+    /// Numbers that look random.
+    struct Numbers(u64);
+
+    impl Numbers {
+        fn below(&mut self, most: usize) -> usize {
+            self.0 ^= self.0 << 13;
+            self.0 ^= self.0 >> 7;
+            self.0 ^= self.0 << 17;
+            usize::try_from(self.0 % 1_000_003).unwrap() % most
+        }
+    }
+
+    fn happening(number: usize) -> Happening {
+        match number {
+            0 => Happening::Call(CodelIx::new(0)),
+            1 => Happening::Call(CodelIx::new(1)),
+            2 => Happening::Start(ServiceIx::new(0)),
+            _ => Happening::End(ServiceIx::new(0)),
+        }
+    }
+
+    fn formula(random: &mut Numbers) -> Program {
+        let mut parts: Vec<Part> = (0..3).map(|at| Part::Happens(vec![happening(at)])).collect();
+        parts.push(Part::Runs(ServiceIx::new(0)));
+        for at in parts.len()..parts.len() + 3 + random.below(9) {
+            let (a, b) = (random.below(at), random.below(at));
+            let date = random.below(9) as u64;
+            let bounds = match random.below(5) {
+                0 => ANY,
+                1 => Bounds { least: date.max(1), most: u64::MAX },
+                _ => Bounds { least: 0, most: date },
+            };
+            parts.push(match random.below(8) {
+                0 => Part::Not(a),
+                1 => Part::And(a, b),
+                2 => Part::Or(a, b),
+                3 => Part::Implies(a, b),
+                4 => Part::Previous(a),
+                5 => Part::Historically(bounds, a),
+                6 => Part::Since(bounds, a, b),
+                _ => Part::Once(bounds, a),
+            });
+        }
+        Program::new(parts.into_iter().map(|part| (part, String::new())).collect()).unwrap()
+    }
+
+    #[test]
+    fn random_runs_are_judged_by_clocks_as_the_runtime_judges_them_by_dates() {
+        let mut random = Numbers(0x9e37_79b9_7f4a_7c15);
+        let (mut broken, mut kept) = (0, 0);
+        for _ in 0..4_000 {
+            let program = formula(&mut random);
+            let mut judge = Judge::new(&program);
+            let heard = program.hears();
+            let mut moment =
+                Moment { judge: judge.clone(), clocks: Vec::new(), zone: Zone::point(&[]) };
+            let mut ages: Vec<i64> = Vec::new();
+            let mut date = 0u64;
+            for _ in 0..30 {
+                let step = random.below(5) as u64;
+                date += step;
+                ages.iter_mut().for_each(|age| *age += i64::try_from(step).unwrap());
+                moment.zone = Zone::point(&ages);
+                let letter = random.below(heard.len());
+                let all = moment.hear(letter).unwrap();
+                let [(next, wrong)] = &all[..] else { panic!("{} ways", all.len()) };
+                assert_eq!(*wrong, judge.hear(letter, date).is_some(), "{program:?}");
+                *(if *wrong { &mut broken } else { &mut kept }) += 1;
+                assert_eq!(next.judge.place(), judge.place());
+                moment = next.clone();
+                ages = (1..=moment.clocks.len()).map(|at| moment.zone.most(at).unwrap()).collect();
+            }
+        }
+        assert!(broken > 10_000 && kept > 10_000, "{broken} broken, {kept} kept");
+    }
+
+    #[test]
+    fn a_zone_is_cut_where_a_bound_tells_its_dates_apart() {
+        let called = |codel: usize| Part::Happens(vec![Happening::Call(CodelIx::new(codel))]);
+        let parts = [
+            called(0),
+            called(1),
+            Part::Once(Bounds { least: 0, most: 9 }, 0),
+            Part::Implies(1, 2),
+        ];
+        let parts = parts.into_iter().map(|part| (part, String::new())).collect();
+        let program = Program::new(parts).unwrap();
+        let letter = |codel: usize| {
+            let what = Happening::Call(CodelIx::new(codel));
+            program.hears().iter().position(|one| *one == what).unwrap()
+        };
+        let judge = Judge::new(&program);
+        let first = Moment { judge, clocks: Vec::new(), zone: Zone::point(&[]) };
+        let mut after = first.hear(letter(0)).unwrap().remove(0).0;
+        after.zone.up();
+        let all = after.hear(letter(1)).unwrap();
+        let told: Vec<(Option<i64>, bool)> =
+            all.iter().map(|(moment, wrong)| (moment.zone.most(1), *wrong)).collect();
+        assert_eq!(told, [(Some(9), false), (None, true)]);
+    }
+}
