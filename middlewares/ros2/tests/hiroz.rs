@@ -160,9 +160,10 @@ fn hiroz_lists_a_node_with_its_topic_and_its_type_until_it_is_closed() {
     let writer = ros2.publisher(&PortSpec::new(&speed(), &double())).unwrap();
     let mut node = node(&place);
     assert_eq!(node.ask(&json!(["nodes", "/demo"])), true);
-    let topics = node.ask(&json!(["topics"]));
     let expected: Value = json!(["/demo/speed", FLOAT]);
-    assert!(topics.as_array().unwrap().contains(&expected), "{topics}");
+    eventually("its topic is listed with its type", || {
+        node.ask(&json!(["topics"])).as_array().unwrap().contains(&expected)
+    });
     drop(writer);
     assert_eq!(node.ask(&json!(["no node", "/demo"])), false);
 }
