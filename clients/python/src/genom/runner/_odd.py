@@ -8,7 +8,7 @@ import sys
 import threading
 import time
 import traceback
-from typing import Callable, Set, TextIO, Tuple
+from typing import Callable, Set, Tuple
 
 # Characters printed in a second that are told.
 MOST_PRINTED = 1 << 20
@@ -40,7 +40,7 @@ class Places:
 class Output(io.TextIOWrapper):
     """Standard output that tells of a codel that prints without end."""
 
-    def __init__(self, plain: TextIO, places: Places) -> None:
+    def __init__(self, plain: io.TextIOWrapper, places: Places) -> None:
         super().__init__(
             plain.buffer, plain.encoding, plain.errors, line_buffering=plain.line_buffering
         )
