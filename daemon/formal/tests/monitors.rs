@@ -163,6 +163,12 @@ fn formulas_with_bounds_are_decided_by_the_times_of_codels() {
     check(json!({"formula": "move -> not once[0, 10ms] plan"}), "can: codel move was called");
     check(json!({"formula": "move -> once[5ms, inf] plan"}), "never");
     check(json!({"formula": "move -> once[10ms, inf] calibrate"}), "never");
+    check(json!({"formula": "move -> once[10001us, inf] calibrate"}), "can: codel move was called");
+    // Both bounds at once, and of parts in parts.
+    check(json!({"formula": "once[0, 2s] pose -> once[0, 1s] move"}), "never");
+    check(json!({"formula": "not once[0, 5ms] pose"}), "always: port pose was written");
+    let since = "clear -> not previous (not clear since[0, 1ms] return(clear))";
+    check(json!({"formula": since}), "can: codel clear was called");
 }
 
 #[test]
