@@ -19,8 +19,19 @@ pub(crate) enum NoText {
     Deep,
 }
 
-/// The values of a bottle.
-pub(crate) fn parse(text: &str) -> Result<Vec<Value>, NoText> {
+impl Value {
+    /// The values of a bottle in text.
+    pub(crate) fn parse(text: &str) -> Result<Vec<Self>, NoText> {
+        parse(text)
+    }
+
+    /// These values as a line of text.
+    pub(crate) fn line(values: &[Self]) -> String {
+        line(values)
+    }
+}
+
+fn parse(text: &str) -> Result<Vec<Value>, NoText> {
     let mut parser = Parser { rest: text, depth: 0 };
     let values = parser.list()?;
     match parser.rest.chars().next() {
@@ -126,7 +137,7 @@ impl<'a> Parser<'a> {
 }
 
 /// The line of these values.
-pub(crate) fn line(values: &[Value]) -> String {
+fn line(values: &[Value]) -> String {
     let mut line = String::new();
     for (index, value) in values.iter().enumerate() {
         if index > 0 {

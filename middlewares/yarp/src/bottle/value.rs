@@ -1,7 +1,7 @@
 //! A bottle as a tree, for short ones.
 
 use super::reader::{Item, List, Reader};
-use super::{NoBottle, tag, text};
+use super::{NoBottle, tag};
 
 /// A value in a bottle.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,22 +35,12 @@ impl Value {
         }
     }
 
-    /// The values of a bottle in text.
-    pub(crate) fn parse(text: &str) -> Result<Vec<Value>, text::NoText> {
-        text::parse(text)
-    }
-
     /// The values of a bottle.
     pub(crate) fn read(bottle: &[u8]) -> Result<Vec<Value>, NoBottle> {
         let (mut reader, list) = Reader::open(bottle)?;
         let values = read_list(&mut reader, list)?;
         reader.end()?;
         Ok(values)
-    }
-
-    /// The values of which `text` makes a line.
-    pub(crate) fn line(values: &[Value]) -> String {
-        text::line(values)
     }
 
     /// The bottle of these values.

@@ -24,7 +24,7 @@ const TEXTS: &[(&str, usize, &str)] = &[
     ("daemon/verdicts/src/told.rs", 2, "a verdict"),
     ("middlewares/yarp/src/admin.rs", 1, "is answered to who asked, on YARP"),
     ("middlewares/yarp/src/inbound.rs", 1, "a command of YARP, not an error"),
-    ("middlewares/yarp/src/io/mod.rs", 1, "is answered to who asked, on YARP"),
+    ("middlewares/yarp/src/io/commands.rs", 1, "is answered to who asked, on YARP"),
     ("daemon/genomctl/src/verbs/model.rs", 1, "a parser of clap, which prints the text"),
 ];
 
