@@ -25,6 +25,7 @@ mod monitor;
 mod pack;
 mod played;
 mod property;
+mod random;
 mod rules;
 mod schedule;
 mod services;

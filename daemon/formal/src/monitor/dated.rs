@@ -6,10 +6,10 @@ use genom_runtime::{Happening, Judge, Program};
 use indexmap::IndexSet;
 
 use super::bounded;
-use super::fires::{Fires, undecided};
+use super::fires::{Fires, concluded, undecided};
 use super::moment::{Moment, most_clocks};
 use super::search::MOST_PORTS;
-use crate::action::Action;
+use crate::action::{Action, Told};
 use crate::explore::{Limit, Limits};
 use crate::memory::{ENTRY, listed};
 use crate::state::State;
@@ -118,21 +118,12 @@ impl System {
                 break;
             }
         }
-        match (broken, limit) {
-            (Some((node, action, what)), limit) => {
-                let run = table.run_to(self, (node, action));
-                let run = run.iter().filter_map(|(state, action)| self.words(state, *action));
-                let run = run.collect();
-                match kept || limit.is_some() {
-                    true => Fires::Can { what, run },
-                    false => Fires::Always { what, run },
-                }
-            }
-            (None, Some(limit)) => {
-                Fires::Undecided(format!("{limit}: raise the limits, or lower the bounds"))
-            }
-            (None, None) => Fires::Never,
-        }
+        let broken = broken.map(|(node, action, what)| {
+            let run = table.run_to(self, (node, action));
+            let run = run.iter().filter_map(|(state, action)| self.words(state, *action));
+            (what, run.collect())
+        });
+        concluded(broken, kept, limit)
     }
 
     /// What a formula hears in a step.
@@ -142,7 +133,7 @@ impl System {
         state: &State,
         action: Action,
         next: &State,
-        told: &[crate::action::Told],
+        told: &[Told],
     ) -> Vec<Heard> {
         let happens = self.heard(state, action, next, told).into_iter();
         let letter = |what: &Happening| heard.iter().position(|one| one == what);

@@ -1,5 +1,6 @@
 //! Whether a rule can be broken.
 
+use crate::explore::Limit;
 use crate::words::Line;
 
 /// Whether a rule can be broken.
@@ -7,7 +8,7 @@ use crate::words::Line;
 pub enum Fires {
     /// No run breaks it.
     Never,
-    /// This run does; none is shorter in steps.
+    /// This run does. Without bounds in the rule, none is shorter in steps.
     Can {
         /// What happens at its end.
         what: String,
@@ -28,4 +29,21 @@ pub enum Fires {
 /// Not decided.
 pub(super) fn undecided(why: &str) -> Fires {
     Fires::Undecided(why.to_owned())
+}
+
+/// What a search has found: what broke the rule first, and by which run, whether anything that the
+/// rule is about did not break it, and the limit at which the search ended.
+pub(super) fn concluded(
+    broken: Option<(String, Vec<Line>)>,
+    kept: bool,
+    limit: Option<Limit>,
+) -> Fires {
+    match (broken, limit) {
+        (Some((what, run)), limit) if kept || limit.is_some() => Fires::Can { what, run },
+        (Some((what, run)), _) => Fires::Always { what, run },
+        (None, Some(limit)) => {
+            Fires::Undecided(format!("{limit}: raise the limits, or lower the bounds"))
+        }
+        (None, None) => Fires::Never,
+    }
 }

@@ -110,18 +110,7 @@ mod tests {
     use genom_runtime::{Happening, Part, Program};
 
     use super::*;
-
-    /// Numbers that look random.
-    struct Numbers(u64);
-
-    impl Numbers {
-        fn below(&mut self, most: usize) -> usize {
-            self.0 ^= self.0 << 13;
-            self.0 ^= self.0 >> 7;
-            self.0 ^= self.0 << 17;
-            usize::try_from(self.0 % 1_000_003).unwrap() % most
-        }
-    }
+    use crate::random::Random;
 
     fn happening(number: usize) -> Happening {
         match number {
@@ -132,7 +121,7 @@ mod tests {
         }
     }
 
-    fn formula(random: &mut Numbers) -> Program {
+    fn formula(random: &mut Random) -> Program {
         let mut parts: Vec<Part> = (0..3).map(|at| Part::Happens(vec![happening(at)])).collect();
         parts.push(Part::Runs(ServiceIx::new(0)));
         for at in parts.len()..parts.len() + 3 + random.below(9) {
@@ -159,7 +148,7 @@ mod tests {
 
     #[test]
     fn random_runs_are_judged_by_clocks_as_the_runtime_judges_them_by_dates() {
-        let mut random = Numbers(0x9e37_79b9_7f4a_7c15);
+        let mut random = Random(0x9e37_79b9_7f4a_7c15);
         let (mut broken, mut kept) = (0, 0);
         for _ in 0..4_000 {
             let program = formula(&mut random);

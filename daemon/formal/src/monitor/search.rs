@@ -5,7 +5,7 @@ use std::time::Instant;
 use genom_runtime::{Happening, Judge, Order, Program};
 use indexmap::IndexSet;
 
-use super::fires::{Fires, undecided};
+use super::fires::{Fires, concluded, undecided};
 use crate::action::Action;
 use crate::explore::{Limit, Limits};
 use crate::memory::{ENTRY, listed};
@@ -159,19 +159,8 @@ impl System {
                 break;
             }
         }
-        match (broken, kept, limit) {
-            (Some((node, action, what)), kept, limit) => {
-                let run = self.lines_to(&nodes, node, action);
-                match kept || limit.is_some() {
-                    true => Fires::Can { what, run },
-                    false => Fires::Always { what, run },
-                }
-            }
-            (None, _, Some(limit)) => {
-                Fires::Undecided(format!("{limit}: raise the limits, or lower the bounds"))
-            }
-            (None, ..) => Fires::Never,
-        }
+        let broken = broken.map(|(node, action, what)| (what, self.lines_to(&nodes, node, action)));
+        concluded(broken, kept, limit)
     }
 
     /// Where it goes by what happens in a step: a way for each choice of ports that are written.

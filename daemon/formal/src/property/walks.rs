@@ -1,6 +1,7 @@
 //! Random runs, which show what can happen.
 
 use crate::action::Action;
+use crate::random::Random;
 use crate::state::{Phase, State};
 use crate::system::System;
 
@@ -8,18 +9,6 @@ use crate::system::System;
 const STEPS: usize = 100_000;
 /// Steps of one run.
 const RUN: usize = 2_000;
-
-/// A generator of numbers; the same ones each time (xorshift64, Marsaglia 2003).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, count: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        usize::try_from(self.0 >> 33).unwrap_or(0) % count.max(1)
-    }
-}
 
 /// Shows the states of random runs to `look`, for as long as it returns `true`.
 pub(super) fn walks(system: &System, mut look: impl FnMut(&State) -> bool) {

@@ -126,13 +126,13 @@ impl Hub {
         while let Ok(Some(active)) = self.server.receive() {
             self.busy_with(None);
             self.serve(active);
-            self.is_idle();
+            self.rest();
         }
         self.busy_with(None);
         let requests: Vec<_> = lock(&self.requests).iter().filter_map(Weak::upgrade).collect();
         requests.iter().for_each(|request| request.look_for_the_caller());
         drop(requests);
-        self.is_idle();
+        self.rest();
         lock(&self.requests).retain(|request| request.strong_count() > 0);
     }
 
@@ -140,7 +140,7 @@ impl Hub {
         *lock(&self.busy) = Some(Busy { thread: thread::current().id(), serves });
     }
 
-    fn is_idle(&self) {
+    fn rest(&self) {
         *lock(&self.busy) = None;
         self.idle.notify_all();
     }

@@ -22,21 +22,24 @@ pub(crate) enum NoText {
 impl Value {
     /// The values of a bottle in text.
     pub(crate) fn parse(text: &str) -> Result<Vec<Self>, NoText> {
-        parse(text)
+        let mut parser = Parser { rest: text, depth: 0 };
+        let values = parser.list()?;
+        match parser.rest.chars().next() {
+            None => Ok(values),
+            Some(close) => Err(NoText::Close(close)),
+        }
     }
 
     /// These values as a line of text.
     pub(crate) fn line(values: &[Self]) -> String {
-        line(values)
-    }
-}
-
-fn parse(text: &str) -> Result<Vec<Value>, NoText> {
-    let mut parser = Parser { rest: text, depth: 0 };
-    let values = parser.list()?;
-    match parser.rest.chars().next() {
-        None => Ok(values),
-        Some(close) => Err(NoText::Close(close)),
+        let mut line = String::new();
+        for (index, value) in values.iter().enumerate() {
+            if index > 0 {
+                line.push(' ');
+            }
+            write(value, &mut line);
+        }
+        line
     }
 }
 
@@ -136,18 +139,6 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// The line of these values.
-fn line(values: &[Value]) -> String {
-    let mut line = String::new();
-    for (index, value) in values.iter().enumerate() {
-        if index > 0 {
-            line.push(' ');
-        }
-        write(value, &mut line);
-    }
-    line
-}
-
 fn write(value: &Value, line: &mut String) {
     match value {
         Value::Int(value) => line.push_str(&value.to_string()),
@@ -158,12 +149,12 @@ fn write(value: &Value, line: &mut String) {
             let bytes: Vec<String> = bytes.iter().map(u8::to_string).collect();
             line.push_str(&format!("{{{}}}", bytes.join(" ")));
         }
-        Value::List(values) => line.push_str(&format!("({})", self::line(values))),
+        Value::List(values) => line.push_str(&format!("({})", Value::line(values))),
     }
 }
 
 fn write_text(text: &str, line: &mut String) {
-    let is_word = matches!(parse(text).as_deref(), Ok([Value::Text(word)]) if word == text);
+    let is_word = matches!(Value::parse(text).as_deref(), Ok([Value::Text(word)]) if word == text);
     if is_word && !text.contains(['"', '\\', '{', '[']) {
         return line.push_str(text);
     }
@@ -186,12 +177,12 @@ mod tests {
     #[test]
     fn text_is_what_people_type_and_comes_back_as_it_was() {
         let text = r#"1 2.5 hello (1 (2 "a b") ()) [ok] {1 2 3} -4 "say \"hi\"\r\n" "5" @start"#;
-        let values = parse(text).unwrap();
-        assert_eq!(line(&values), text);
+        let values = Value::parse(text).unwrap();
+        assert_eq!(Value::line(&values), text);
         assert_eq!(values.len(), 10);
         assert_eq!(Value::read(&Value::to_bottle(&values)).unwrap(), values);
-        assert_eq!(parse("").unwrap(), []);
-        assert_eq!(parse("true false").unwrap(), [Value::Vocab(49), Value::Vocab(0)]);
+        assert_eq!(Value::parse("").unwrap(), []);
+        assert_eq!(Value::parse("true false").unwrap(), [Value::Vocab(49), Value::Vocab(0)]);
     }
 
     #[test]
@@ -204,8 +195,8 @@ mod tests {
             ("{1 256}", NoText::Blob),
             ("{1", NoText::Open('}')),
         ] {
-            assert_eq!(parse(text), Err(why), "{text}");
+            assert_eq!(Value::parse(text), Err(why), "{text}");
         }
-        assert_eq!(parse(&"(".repeat(1000)), Err(NoText::Deep));
+        assert_eq!(Value::parse(&"(".repeat(1000)), Err(NoText::Deep));
     }
 }
