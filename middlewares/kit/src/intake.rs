@@ -1,9 +1,16 @@
 //! The reading end of a port, on middlewares that receive encoded samples.
 
+use std::ops::RangeInclusive;
+
 use genom_middleware::{OpenError, Policy, ReadError, Reading};
 use genom_types::{DataType, Record};
 
 use crate::mailbox::{Full, MAX_DEPTH};
+
+/// Sizes in bytes of samples that may wait in the memory in which a middleware received them: large
+/// enough to save a copy that is worth it, but not so large that a few use up the memory that the
+/// writer shares with its readers (16 MiB in zenoh by default).
+const HELD: RangeInclusive<usize> = (16 << 10)..=(2 << 20);
 
 /// Mailbox settings that implement the policy of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +43,13 @@ impl Keeping {
             });
         }
         Ok(Self { depth, full, counts })
+    }
+
+    /// Whether a sample of so many bytes may wait in the middleware's memory instead of a copy.
+    /// Under [`Policy::Latest`] only, where few samples wait.
+    #[must_use]
+    pub fn holds(&self, bytes: usize) -> bool {
+        !self.counts && HELD.contains(&bytes)
     }
 }
 
@@ -103,6 +117,27 @@ impl Intake {
                 self.read = true;
                 Ok(Reading::New)
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use genom_types::{Kind, TypeTable};
+
+    use super::*;
+
+    #[test]
+    fn only_the_latest_sample_may_wait_where_it_was_received_and_neither_small_nor_huge() {
+        let mut types = TypeTable::default();
+        let double = types.add(Kind::Double);
+        let ty = DataType::new(&types.into(), double).unwrap();
+        let of = |policy| Keeping::of(policy, "zenoh", &ty).unwrap();
+        let latest = of(Policy::Latest);
+        let sizes = [0, (16 << 10) - 1, 16 << 10, 2 << 20, (2 << 20) + 1];
+        assert_eq!(sizes.map(|size| latest.holds(size)), [false, false, true, true, false]);
+        for policy in [Policy::Queue(2), Policy::Ring(2)] {
+            assert!(!of(policy).holds(64 << 10), "{policy:?}");
         }
     }
 }

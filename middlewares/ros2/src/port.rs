@@ -55,13 +55,14 @@ impl InPort {
 impl Subscription for InPort {
     fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
         let mailbox = &self.inbox.mailbox;
-        let reading = self.intake.read(into, |decode| mailbox.take(|message| decode(message)));
+        let reading = self.intake.read(into, |decode| mailbox.take(|message| message.read(decode)));
         self.counted(reading)
     }
 
     fn read_message(&mut self, into: &mut Vec<u8>) -> Option<Result<Reading, ReadError>> {
         let mailbox = &self.inbox.mailbox;
-        let reading = self.intake.read_message(into, |see| mailbox.take(|message| see(message)));
+        let reading =
+            self.intake.read_message(into, |see| mailbox.take(|message| message.read(see)));
         Some(self.counted(reading))
     }
 

@@ -1,14 +1,7 @@
 //! One sample in an inbox: its bytes, either copied or held in zenoh's buffer.
 
-use std::ops::RangeInclusive;
-
 use zenoh::bytes::ZBytes;
 use zenoh::shm::ShmBuf;
-
-/// Sizes in bytes for which an inbox that may hold samples keeps contiguous ones in zenoh's buffer:
-/// large enough to be worth it, but not so large that a few use up the writer's shared memory (16
-/// MiB by default), after which zenoh sends without it.
-const HELD: RangeInclusive<usize> = (16 << 10)..=(2 << 20);
 
 /// A slot of an inbox; reused.
 #[derive(Debug, Default)]
@@ -26,12 +19,13 @@ impl Arrival {
         Self { copy: Vec::with_capacity(size), ..Self::default() }
     }
 
-    /// Replaces the content. Held samples keep a receive buffer or shared memory from zenoh.
+    /// Replaces the content. A sample that may be held, and is in one piece, keeps a receive buffer
+    /// or shared memory from zenoh.
     pub(crate) fn set(&mut self, payload: &ZBytes, alien: bool, holds: bool) {
         self.alien = alien;
         self.copy.clear();
         self.held = None;
-        if holds && HELD.contains(&payload.len()) && payload.slices().nth(1).is_none() {
+        if holds && payload.slices().nth(1).is_none() {
             self.held = Some(payload.clone());
         } else {
             payload.slices().for_each(|part| self.copy.extend_from_slice(part));
@@ -71,12 +65,11 @@ mod tests {
     #[test]
     fn what_is_copied_and_what_is_held_reads_alike() {
         let mut arrival = Arrival::with_room(8);
-        let (least, most) = (*HELD.start(), *HELD.end());
-        for size in [0, 1, least - 1, least, most, most + 1] {
+        for size in [0, 1, 16 << 10, 2 << 20] {
             let payload = ZBytes::from(vec![7; size]);
             for holds in [false, true] {
                 arrival.set(&payload, false, holds);
-                assert_eq!(arrival.held.is_some(), holds && HELD.contains(&size));
+                assert_eq!(arrival.held.is_some(), holds);
                 assert_eq!(bytes_of(&arrival), Some(vec![7; size]));
             }
         }
@@ -87,8 +80,8 @@ mod tests {
     #[test]
     fn a_sample_in_pieces_is_put_together() {
         let mut writer = ZBytes::writer();
-        writer.append(ZBytes::from(vec![1; *HELD.start()]));
-        writer.append(ZBytes::from(vec![2; *HELD.start()]));
+        writer.append(ZBytes::from(vec![1; 16 << 10]));
+        writer.append(ZBytes::from(vec![2; 16 << 10]));
         let mut arrival = Arrival::default();
         arrival.set(&writer.finish(), false, true);
         assert_eq!(bytes_of(&arrival), Some([[1; 16 << 10], [2; 16 << 10]].concat()));

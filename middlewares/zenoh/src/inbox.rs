@@ -23,9 +23,7 @@ pub(crate) struct Inbox {
     address: String,
     expected: Expected,
     pub(crate) mailbox: Mailbox<Arrival>,
-    /// Only the newest sample counts (policy `latest`): older ones that are dropped are not losses.
-    /// The inbox holds few samples then, so they may stay in zenoh's buffers.
-    latest: bool,
+    keeping: Keeping,
     /// Number of samples that could not be decoded; counted by the reader.
     pub(crate) undecodable: AtomicU64,
     gate: Mutex<Gate>,
@@ -64,17 +62,13 @@ enum Arrived {
 pub(crate) struct Asked(Option<Arrived>);
 
 impl Inbox {
-    pub(crate) fn new(
-        address: String,
-        expected: Expected,
-        Keeping { depth, full, counts }: Keeping,
-        size: usize,
-    ) -> Self {
+    pub(crate) fn new(address: String, expected: Expected, keeping: Keeping, size: usize) -> Self {
+        let Keeping { depth, full, .. } = keeping;
         Self {
             address,
             expected,
             mailbox: Mailbox::with(depth, full, || Arrival::with_room(size)).dated(),
-            latest: !counts,
+            keeping,
             undecodable: AtomicU64::new(0),
             gate: Mutex::default(),
             told: Told::default(),
@@ -83,7 +77,7 @@ impl Inbox {
 
     /// Number of samples lost to the reader.
     pub(crate) fn lost(&self) -> u64 {
-        let given_up = if self.latest { 0 } else { self.mailbox.lost() };
+        let given_up = if self.keeping.counts { self.mailbox.lost() } else { 0 };
         given_up + self.undecodable.load(Ordering::Relaxed)
     }
 
@@ -111,7 +105,8 @@ impl Inbox {
         let alien = !self.expected.admits(sample.encoding());
         // The gate is still locked, so there is one producer at a time.
         let put = self.mailbox.put_by(|arrival| {
-            arrival.set(sample.payload(), alien, self.latest);
+            let payload = sample.payload();
+            arrival.set(payload, alien, self.keeping.holds(payload.len()));
             Ok::<_, std::convert::Infallible>(())
         });
         if put.is_err() {

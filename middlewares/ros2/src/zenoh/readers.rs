@@ -97,13 +97,18 @@ impl Arrivals {
         if sample.payload().len() > self.refusals.greatest {
             return refuse(Reason::Sample);
         }
-        let mut message = gate.spare.take().unwrap_or_default();
-        let buffer = Arc::make_mut(&mut message);
-        buffer.clear();
-        sample.payload().slices().for_each(|part| buffer.extend_from_slice(part));
         // The gate is still locked, so there is one producer at a time.
-        let old = self.inbox.put(&message);
-        gate.spare = old.filter(|old| Arc::strong_count(old) == 1);
+        let (held, mut old) = self.inbox.hold(sample.payload());
+        if !held {
+            let mut message = gate.spare.take().unwrap_or_default();
+            let buffer = Arc::make_mut(&mut message);
+            buffer.clear();
+            sample.payload().slices().for_each(|part| buffer.extend_from_slice(part));
+            old = self.inbox.put(&message);
+        }
+        if let Some(old) = old.filter(|old| Arc::strong_count(old) == 1) {
+            gate.spare = Some(old);
+        }
         gate.report(self);
     }
 }
