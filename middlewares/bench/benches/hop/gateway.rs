@@ -13,6 +13,9 @@ use crate::ours;
 /// Precedes what a gateway is started with.
 pub(crate) const GATEWAY: &str = "--gateway-of";
 
+/// Folder of the reading side's gateway.
+const READS: &str = "reads";
+
 pub(crate) struct Through {
     proxy: Option<Proxy>,
     gateway: Child,
@@ -21,7 +24,7 @@ pub(crate) struct Through {
 impl Through {
     /// Starts a gateway for one side.
     pub(crate) fn open(name: &'static str, place: &Path, reads: bool) -> Self {
-        let side = place.join(if reads { "reads" } else { "writes" });
+        let side = place.join(if reads { READS } else { "writes" });
         let program = std::env::current_exe().unwrap();
         let gateway = Command::new(program).arg(GATEWAY).arg(name).arg(place).arg(&side).spawn();
         let gateway = gateway.unwrap();
@@ -46,7 +49,7 @@ impl Drop for Through {
 
 /// The process of a gateway.
 pub(crate) fn serve(name: &str, place: &Path, side: &Path) -> Result<(), Box<dyn Error>> {
-    let open: Arc<dyn Middleware> = ours::open(name, place);
+    let open: Arc<dyn Middleware> = ours::open(name, place, side.ends_with(READS));
     let door: PathBuf = Reach::new(side).door(name);
     std::fs::create_dir_all(door.parent().unwrap())?;
     let listening = Server::listen(&door, open)?;

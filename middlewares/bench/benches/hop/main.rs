@@ -2,7 +2,7 @@
 //! and of a port of genomd.
 //!
 //! `cargo bench -p genom-bench --bench hop [-- BACKEND...] [--period MICROSECONDS] [--rounds N]`
-//! `[--gateway]`: zenoh and ros2 through a gateway on each side.
+//! `[--gateway]`: all but shm through a gateway on each side. `rmw_zenoh` is ROS 2 over zenoh.
 //!
 //! "Bare" uses the middleware's own interface and copies bytes in and out. "Port" is what a codel's
 //! `write()` and `read()` do: the backend's publisher and subscription, opened as the daemon opens
@@ -12,6 +12,7 @@
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a program that prints figures")]
 
 mod gateway;
+#[path = "../ours.rs"]
 mod ours;
 mod ports;
 
@@ -45,7 +46,7 @@ impl Both {
     }
 }
 
-const BACKENDS: [&str; 3] = ["shm", "zenoh", "ros2"];
+const BACKENDS: [&str; 4] = ["shm", "zenoh", "ros2", ours::RMW_ZENOH];
 
 /// Precedes the folder that both processes share, in the arguments of the reading process.
 const READER: &str = "--reader";
@@ -55,10 +56,11 @@ const THROUGH: &str = "--gateway";
 
 fn open(name: &str, place: &Path, reads: bool, through: bool) -> Result<Both, Box<dyn Error>> {
     let name = BACKENDS.into_iter().find(|known| *known == name).ok_or("no such backend")?;
-    let bare = bare::open(name, place, reads)?.ok_or("no such middleware")?;
+    let carries = if name == ours::RMW_ZENOH { "zenoh" } else { name };
+    let bare = bare::open(carries, place, reads)?.ok_or("no such middleware")?;
     let ours = match through && name != "shm" {
         true => Ours::Through(gateway::Through::open(name, place, reads)),
-        false => Ours::Direct(ours::open(name, place)),
+        false => Ours::Direct(ours::open(name, place, reads)),
     };
     Ok(Both { bare, ours })
 }
@@ -90,7 +92,7 @@ fn measure(name: &str, rounds: usize, period: u64, through: bool) -> Result<(), 
             format!("{:+.1} {:>5.2}x", (ours.p50 - bare.p50) / 1000.0, ours.p50 / bare.p50)
         };
         println!(
-            "{name:>6} {bytes:>8} {bare:>20} {array:>20} {:>13} {sequence:>20} {:>13}",
+            "{name:>9} {bytes:>8} {bare:>20} {array:>20} {:>13} {sequence:>20} {:>13}",
             more(array),
             more(sequence),
         );
@@ -120,7 +122,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         |name: &&&str| words.contains(*name) || !words.iter().any(|word| BACKENDS.contains(word));
     println!("one hop in us, p50 / p99; a value every {} us", period / 1000);
     println!(
-        "{:>6} {:>8} {:>20} {:>20} {:>13} {:>20} {:>13}",
+        "{:>9} {:>8} {:>20} {:>20} {:>13} {:>20} {:>13}",
         "", "bytes", "bare", "port, array", "+us      x", "port, sequence", "+us      x"
     );
     for name in BACKENDS.iter().filter(wanted) {

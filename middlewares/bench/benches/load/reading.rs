@@ -1,0 +1,117 @@
+//! The reading process: counts what arrives, and serves calls.
+
+use std::error::Error;
+use std::io::{self, BufRead as _, Write as _};
+use std::path::Path;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::thread;
+use std::time::Duration;
+
+use genom_bench::pair::Receive;
+use genom_bench::{FloorError, bare, octets};
+use genom_middleware::{Address, Middleware, Policy, PortSpec, Ports as _, Reading, Subscription};
+use genom_types::Record;
+
+use crate::{FLOWS, Flow, Way, calls, carrier, ours, usage};
+
+/// How often it looks for samples, like a task of 1 kHz.
+const PERIOD: Duration = Duration::from_millis(1);
+
+/// What may still be on its way when the writer is ready.
+const STRAGGLERS: Duration = Duration::from_millis(500);
+
+/// Unread samples that a port keeps.
+const KEPT: usize = 8;
+
+struct In(Box<dyn Subscription>, Record);
+
+impl Receive for In {
+    fn arrived(&mut self) -> Result<bool, FloorError> {
+        Ok(self.0.read(&mut self.1) == Ok(Reading::New))
+    }
+}
+
+pub(crate) fn topic(number: usize) -> Address {
+    Address::new("bench", format!("topic{number}"))
+}
+
+fn ports(of: &dyn Middleware, flow: &Flow) -> Vec<Box<dyn Receive>> {
+    let value = octets::sequence(flow.bytes);
+    (0..flow.topics)
+        .map(|number| {
+            let at = topic(number);
+            let reader = of.subscription(&PortSpec::new(&at, value.ty()), Policy::Ring(KEPT));
+            Box::new(In(reader.unwrap(), value.clone())) as Box<dyn Receive>
+        })
+        .collect()
+}
+
+fn tell(line: &str) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    writeln!(out, "{line}")?;
+    out.flush()
+}
+
+fn questions() -> Receiver<()> {
+    let (asked, questions) = channel();
+    thread::spawn(move || io::stdin().lock().lines().try_for_each(|_| asked.send(())));
+    questions
+}
+
+/// Counts until it is asked, or the writer is gone; then whatever comes within [`STRAGGLERS`].
+fn count(ends: &mut [Box<dyn Receive>], asked: &Receiver<()>) -> Result<Option<u64>, FloorError> {
+    let mut samples = 0;
+    let mut left = None;
+    loop {
+        for end in &mut *ends {
+            while end.arrived()? {
+                samples += 1;
+            }
+        }
+        match (asked.try_recv(), left) {
+            (Err(TryRecvError::Disconnected), None) => return Ok(None),
+            (Ok(()), None) => left = Some(STRAGGLERS.as_millis()),
+            (_, Some(0)) => return Ok(Some(samples)),
+            (_, Some(more)) => left = Some(more - 1),
+            _ => {}
+        }
+        thread::sleep(PERIOD);
+    }
+}
+
+/// Tells how many samples of which the first of each topic arrived, then how many of each round.
+fn flow(ends: &mut [Box<dyn Receive>]) -> Result<(), Box<dyn Error>> {
+    let asked = questions();
+    let mut missing: Vec<&mut Box<dyn Receive>> = ends.iter_mut().collect();
+    while !missing.is_empty() {
+        missing.retain_mut(|end| !end.arrived().unwrap());
+        thread::sleep(PERIOD);
+    }
+    tell("connected")?;
+    while let Some(samples) = count(ends, &asked)? {
+        tell(&format!("{samples} {}", usage::processor().as_millis()))?;
+    }
+    Ok(())
+}
+
+pub(crate) fn serve(name: &str, place: &Path, what: &str) -> Result<(), Box<dyn Error>> {
+    if what == calls::WORD {
+        let middleware = ours::open(name, place, true);
+        let _served = calls::serve(&*middleware);
+        tell("connected")?;
+        while questions().recv().is_ok() {
+            tell(&format!("0 {}", usage::processor().as_millis()))?;
+        }
+        return Ok(());
+    }
+    let (way, number) = what.split_once(' ').ok_or("which way and flow?")?;
+    let flow_of = FLOWS.get(number.parse::<usize>()?).ok_or("no such flow")?;
+    if way == Way::Ports.word() {
+        let middleware = ours::open(name, place, true);
+        return flow(&mut ports(&*middleware, flow_of));
+    }
+    let bare = bare::open(carrier(name), place, true)?.ok_or("no such middleware")?;
+    // Topics of bare middlewares are named by the sizes of their values.
+    let ends = (0..flow_of.topics).map(|topic| bare.reader(flow_of.bytes + topic));
+    flow(&mut ends.collect::<Result<Vec<_>, _>>()?)
+}
