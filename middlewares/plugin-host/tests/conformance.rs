@@ -1,10 +1,12 @@
 //! Two examples pass the conformance suite through the table: one in Rust and one in C, which is
-//! compiled and opened as a user does.
+//! compiled and opened as a user does; that in C also with samples in their C layout, and called by
+//! the tasks themselves.
 
 mod built;
 
-use std::sync::Arc;
+use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, LazyLock};
 
 use genom_example::Example;
 use genom_middleware::Middleware;
@@ -19,6 +21,15 @@ fn board() -> String {
     BOARDS.fetch_add(1, Ordering::Relaxed).to_string()
 }
 
+static LAYOUT: LazyLock<built::Built> = LazyLock::new(|| built::board_that("GENOM_MW_LAYOUT"));
+
+static DIRECT: LazyLock<built::Built> = LazyLock::new(|| built::board_that("GENOM_MW_RT_PUBLISH"));
+
+fn open(library: &Path, options: &str) -> Arc<dyn Middleware> {
+    let library = Library::open(library).expect("a middleware");
+    library.middleware(options).expect("it opens")
+}
+
 genom_conformance::conformance! {
     plugin: {
         let options = format!("{{\"board\": \"{}\"}}", board());
@@ -29,9 +40,14 @@ genom_conformance::conformance! {
     },
     plugin_in_c: {
         let options = format!("{{\"board\": \"{}\"}}", board());
-        move || -> Arc<dyn Middleware> {
-            let library = Library::open(&built::BOARD.path).expect("a middleware");
-            library.middleware(&options).expect("it opens")
-        }
+        move || open(&built::BOARD.path, &options)
+    },
+    plugin_in_c_of_layouts: {
+        let options = format!("{{\"board\": \"{}\"}}", board());
+        move || open(&LAYOUT.path, &options)
+    },
+    plugin_in_c_called_by_tasks: {
+        let options = format!("{{\"board\": \"{}\"}}", board());
+        move || open(&DIRECT.path, &options)
     },
 }

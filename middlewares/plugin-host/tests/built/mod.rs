@@ -32,6 +32,14 @@ pub(crate) static BOARD: LazyLock<Built> = LazyLock::new(|| {
     compiled("board", &api().join("examples/board.c"), tempfile::tempdir().unwrap())
 });
 
+/// The board, with more of what a middleware can do.
+pub(crate) fn board_that(can: &str) -> Built {
+    let text = fs::read_to_string(api().join("examples/board.c")).unwrap();
+    let more = text.replace("= GENOM_MW_VARIABLE,", &format!("= GENOM_MW_VARIABLE | {can},"));
+    assert_ne!(text, more, "the example names its capabilities otherwise");
+    library("board", &more)
+}
+
 fn compiled(name: &str, source: &Path, place: TempDir) -> Built {
     let path = place.path().join(format!("libgenomd_{name}.so"));
     let told = Command::new("cc")
