@@ -1,13 +1,15 @@
 //! Recordings as MCAP files: writes those that `genomctl record` receives and those that a black box
-//! leaves, and reads them, whole or not.
+//! leaves, reads them, whole or not, and makes bags of ROS 2 of them.
 
 #![forbid(unsafe_code)]
 
+mod bag;
 mod file;
 mod read;
 mod replay;
 mod room;
 
+pub use bag::{BagError, BagTopic, Bagged, samples_of, write_bag};
 pub use file::{ChannelSummary, Recorder, WriteError};
 pub use read::error::ReadError;
 pub use read::walk::{Extent, Part, records, walk};

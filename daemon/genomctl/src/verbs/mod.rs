@@ -6,6 +6,7 @@ mod add;
 mod apply;
 mod backend;
 mod backends;
+mod bag;
 mod bench;
 mod blackbox;
 mod build;
@@ -100,6 +101,7 @@ pub(crate) enum Verb {
     Record(record::Args),
     Replay(replay::Args),
     Recover(recover::Args),
+    Bag(bag::Args),
     Connect(connect::Args),
     Disconnect(disconnect::Args),
     Connections(connections::Args),
@@ -190,6 +192,7 @@ pub(crate) async fn run(
         Verb::Record(args) => record::run(args, session).await,
         Verb::Replay(args) => replay::run(args, session).await,
         Verb::Recover(args) => recover::run(&args, session),
+        Verb::Bag(args) => bag::run(&args, session),
         Verb::Connect(args) => connect::run(args, session).await,
         Verb::Disconnect(args) => disconnect::run(args, session).await,
         Verb::Connections(args) => connections::run(args, session).await,

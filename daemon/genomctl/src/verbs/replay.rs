@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use genom_protocol::{Address, Code, PortParameters, StepRequest, replay, routes};
-use genom_recording::{MOST_APART, ReadError, Recorded, Recording, inport, same_type};
+use genom_recording::{MOST_APART, ReadError, Recorded, Recording, inport, same_type, samples_of};
 use serde_json::json;
 use tokio::time::Instant;
 
@@ -25,7 +25,7 @@ const BATCH: usize = 256 << 10;
 /// disconnect it first.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// An MCAP file of `genomctl record`, or another one with CDR in it.
+    /// An MCAP file of `genomctl record`, or another one with CDR in it; or a bag of ROS 2.
     file: PathBuf,
     /// Publish a topic to an in port: /gps/pose=arm/target; may be repeated. Without this option,
     /// all recorded in ports that exist are used.
@@ -50,7 +50,8 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
         return Err(Failure::usage(format!("--rate {} is none", args.rate), "1 is as recorded"));
     }
     let failed = |error| Failure::file(&args.file, error);
-    let mut recording = Recording::open(&args.file).map_err(failed)?;
+    let file = samples_of(&args.file).map_err(|why| Failure::file(&args.file, why))?;
+    let mut recording = Recording::open(&file).map_err(failed)?;
     if let Some((extent, messages)) = recording.cut {
         let file = args.file.display();
         tell(&format!(

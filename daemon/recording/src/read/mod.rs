@@ -4,6 +4,7 @@
 
 pub(crate) mod error;
 pub(crate) mod walk;
+mod zstd;
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -19,6 +20,10 @@ use mcap::{Channel, McapError, Schema, Summary};
 
 use self::error::ReadError;
 use self::walk::{Extent, Part, begins_well, records, walk};
+use self::zstd::Zstd;
+
+/// Greatest size of a chunk in bytes, also of what a compressed one says that it unpacks to.
+const LARGEST: usize = 1 << 30;
 
 /// An MCAP file being read.
 pub struct Recording {
@@ -108,7 +113,10 @@ impl Recording {
     /// Its index is damaged.
     pub fn read(&mut self, topics: Vec<String>) -> Result<(), ReadError> {
         let options = IndexedReaderOptions::new().include_topics(topics);
-        self.reader = Some(IndexedReader::new_with_options(&self.summary, options)?);
+        let options = options.with_record_length_limit(LARGEST);
+        let mut reader = IndexedReader::new_with_options(&self.summary, options)?;
+        reader.add_decompressor(Zstd)?;
+        self.reader = Some(reader);
         Ok(())
     }
 
@@ -227,4 +235,52 @@ impl Index {
 fn within(size: u64, offset: u64, length: usize) -> Result<(), ReadError> {
     let end = u64::try_from(length).ok().and_then(|length| offset.checked_add(length));
     if end.is_some_and(|end| end <= size) { Ok(()) } else { Err(ReadError::Beyond) }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+
+    use mcap::WriteOptions;
+    use mcap::records::MessageHeader;
+
+    use super::*;
+
+    /// A file with a sample in a chunk, and the size of that chunk.
+    fn file() -> (Vec<u8>, u64) {
+        let mut bytes = Cursor::new(Vec::new());
+        let options = WriteOptions::new().compression(None);
+        let mut writer = options.calculate_summary_section_crc(false).create(&mut bytes).unwrap();
+        let channel = writer.add_channel(0, "/a", "cdr", &BTreeMap::new()).unwrap();
+        let (sequence, log_time, publish_time) = (0, 7, 7);
+        let header = MessageHeader { channel_id: channel, sequence, log_time, publish_time };
+        writer.write_to_known_channel(&header, &[5; 1000]).unwrap();
+        let summary = writer.finish().unwrap();
+        drop(writer);
+        (bytes.into_inner(), summary.chunk_indexes[0].uncompressed_size)
+    }
+
+    fn read(bytes: &[u8]) -> Result<Option<Recorded>, ReadError> {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), bytes).unwrap();
+        let mut recording = Recording::open(file.path())?;
+        recording.read(vec!["/a".to_owned()])?;
+        recording.next_sample()
+    }
+
+    #[test]
+    fn a_chunk_that_says_it_is_enormous_is_refused_before_it_has_room() {
+        let (bytes, size) = file();
+        let sample = read(&bytes).unwrap().unwrap();
+        assert_eq!((sample.date, sample.message), (7, vec![5; 1000]));
+        let told = size.to_le_bytes();
+        for more in [size + 1, 1 << 31, u64::MAX] {
+            let mut lies = bytes.clone();
+            let places = (0..lies.len() - 8).filter(|at| bytes[*at..].starts_with(&told));
+            let places: Vec<usize> = places.collect();
+            assert!(places.len() >= 2, "the chunk and its index: {places:?}");
+            places.iter().for_each(|at| lies[*at..at + 8].copy_from_slice(&more.to_le_bytes()));
+            assert!(read(&lies).is_err(), "{more}");
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! Requests to a daemon: who may make them, and the replies.
 
 mod access;
+mod bags;
 mod daemons;
 mod document;
 mod doors;

@@ -161,7 +161,7 @@ fn lost_samples_are_counted_and_leave_gaps() {
 }
 
 /// Positions with their dates, of a daemon that moves while `feed` sets its gain.
-fn motion(feed: impl FnOnce(&Daemon)) -> (Value, PathBuf, Daemon) {
+pub(crate) fn motion(feed: impl FnOnce(&Daemon)) -> (Value, PathBuf, Daemon) {
     let daemon = stepped();
     let recorder = Recorder::start(&daemon, "run.mcap", &["demo"]);
     daemon.ctl(&["start", "demo", "goto", "goal=0.5"]).expect_code(0);

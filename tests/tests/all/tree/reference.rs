@@ -45,6 +45,11 @@ const ELSEWHERE: &[(&str, &str, &str)] = &[
         "of_a_recorder_that_was_killed_all_that_is_whole_is_replayed_and_recovered",
     ),
     (
+        "bag",
+        "tests/tests/all/control_plane/bags.rs",
+        "a_bag_has_the_samples_of_a_recording_and_nothing_that_ros_does_not_know",
+    ),
+    (
         "bench",
         "tests/tests/all/deployment/compared.rs",
         "a_way_that_cannot_run_is_listed_with_its_reason_and_the_others_run",
