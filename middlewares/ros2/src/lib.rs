@@ -24,7 +24,8 @@
 //! CANCELED, one with another exception ABORTED. A client that cancels a goal interrupts the
 //! activity, which then ends CANCELED even if it stopped in an orderly way.
 //!
-//! **Parameters.** Attributes with a single plain value are also parameters of the node.
+//! **Parameters.** Attributes with a single plain value are also parameters of the node, and every
+//! node of a component has `use_sim_time`.
 //!
 //! **Masquerades.** A service or activity may masquerade as a ROS one of equal structure; then only
 //! the foreign type is used. An exception becomes `success = false` and `message = ::demo::NAME
@@ -67,7 +68,9 @@ mod inbox;
 mod lock;
 mod masquerades;
 mod names;
+mod nodes;
 mod options;
+mod own_services;
 mod own_topic;
 mod parameters;
 mod port;

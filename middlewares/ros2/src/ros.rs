@@ -1,6 +1,7 @@
 //! What is ROS on every middleware: names, namespaces and types of ports and services.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use genom_middleware::describe::type_of_port;
 use genom_middleware::{Address, EndpointKind, OpenError};
@@ -19,13 +20,25 @@ pub(crate) struct Ros {
     pub(crate) options: Options,
     pub(crate) names: Names,
     pub(crate) masquerades: Masquerades,
+    /// Whether the time of components is that of a simulator.
+    simulated: AtomicBool,
 }
 
 impl Ros {
     pub(crate) fn new(rmw: Arc<dyn Rmw>, options: &Options) -> Arc<Self> {
         let masquerades = Masquerades::new(options);
         let names = Names::new(&options.namespace);
-        Arc::new(Self { rmw, options: options.clone(), names, masquerades })
+        let (options, simulated) = (options.clone(), AtomicBool::new(false));
+        Arc::new(Self { rmw, options, names, masquerades, simulated })
+    }
+
+    /// From now on, the time of components is that of a simulator.
+    pub(crate) fn simulate(&self) {
+        self.simulated.store(true, Ordering::Relaxed);
+    }
+
+    pub(crate) fn is_simulated(&self) -> bool {
+        self.simulated.load(Ordering::Relaxed)
     }
 
     /// A topic or service of a type of ROS's own.

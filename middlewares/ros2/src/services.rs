@@ -15,7 +15,7 @@ use crate::client::{ACQUAINTANCE, Ros2Client, Way};
 use crate::goals::{ActionServer, Ends, Ros2Action};
 use crate::hashes::Hashes;
 use crate::names;
-use crate::parameters::Parameters;
+use crate::nodes::Nodes;
 use crate::rmw::{Claim, ClientEnd, EndError, Entities, Named, Reply, Service, Wanted};
 use crate::ros::{Ros, failed};
 use crate::runs::{ActionEnd, Runs};
@@ -28,7 +28,7 @@ pub(crate) struct ServiceEnds {
     own: Arc<Own>,
     clients: Mutex<HashMap<String, Weak<dyn ClientEnd>>>,
     actions: Mutex<HashMap<String, Weak<ActionEnd>>>,
-    parameters: Arc<Parameters>,
+    nodes: Arc<Nodes>,
 }
 
 /// All names of one service.
@@ -78,13 +78,13 @@ impl Plan {
 }
 
 impl ServiceEnds {
-    pub(crate) fn new(ros: Arc<Ros>) -> Arc<Self> {
+    pub(crate) fn new(ros: Arc<Ros>, nodes: Arc<Nodes>) -> Arc<Self> {
         Arc::new(Self {
             ros,
             own: Arc::default(),
             clients: Mutex::default(),
             actions: Mutex::default(),
-            parameters: Arc::default(),
+            nodes,
         })
     }
 
@@ -133,7 +133,7 @@ impl ServiceEnds {
         let claim = self.ros.rmw.claim(at, &plan.wanted)?;
         let weak = Arc::downgrade(&handler);
         let served = match ty.kind {
-            ServiceKind::Activity => self.serve_action(&plan, ty, handler, claim),
+            ServiceKind::Activity => self.serve_action(&plan, at, ty, handler, claim),
             _ => self.serve_function(&plan, at, ty, handler, claim),
         };
         let served = served.map_err(|why| failed(at, why))?;
@@ -150,7 +150,7 @@ impl ServiceEnds {
         claim: Box<dyn Claim>,
     ) -> Result<Box<dyn Served>, EndError> {
         let ros = &self.ros;
-        let parameter = self.parameters.add(ros, at, ty, &handler);
+        let part = self.nodes.service(ros, at, ty, &handler);
         let server = Server::new(ty.clone(), plan.style, handler);
         let weak = Arc::downgrade(&server);
         let on_request = move |reply, message: &[u8]| {
@@ -164,7 +164,7 @@ impl ServiceEnds {
             server,
             end,
             claim: Some(claim),
-            parameter,
+            part,
             rmw: Arc::clone(&ros.rmw),
         }))
     }
@@ -172,10 +172,12 @@ impl ServiceEnds {
     fn serve_action(
         &self,
         plan: &Plan,
+        at: &Address,
         ty: &ServiceType,
         handler: Arc<dyn ServiceHandler>,
         claim: Box<dyn Claim>,
     ) -> Result<Box<dyn Served>, EndError> {
+        let part = self.nodes.service(&self.ros, at, ty, &handler);
         let server = ActionServer::new(ty.clone(), plan.style, handler);
         let (ros, node) = (&self.ros, plan.wanted.node.as_str());
         let open = |of: &Named, on: fn(&Arc<ActionServer>, Box<dyn Reply>, &[u8])| {
@@ -204,7 +206,7 @@ impl ServiceEnds {
         }
         claim.made(entities);
         let rmw = Arc::clone(&ros.rmw);
-        Ok(Box::new(Ros2Action { server, ends, claim: Some(claim), rmw }))
+        Ok(Box::new(Ros2Action { server, ends, claim: Some(claim), part, rmw }))
     }
 
     pub(crate) fn client(

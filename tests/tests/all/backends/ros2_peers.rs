@@ -51,7 +51,7 @@ fn a_ros_node_reads_calls_and_sets_the_demo() {
     // The same attribute as a parameter.
     let node = format!("{namespace}/demo");
     peer.ask(&json!(["parameters", node]));
-    assert_eq!(peer.ask(&json!(["list", node]))["names"], json!(["velocity"]));
+    assert_eq!(peer.ask(&json!(["list", node]))["names"], json!(["use_sim_time", "velocity"]));
     assert_eq!(peer.ask(&json!(["get", node, ["velocity"]])), json!([2.0]));
     let results = peer.ask(&json!(["set", node, [["velocity", 1.5], ["velocity", 9.0]]]));
     assert_eq!(results[0]["successful"], true);
