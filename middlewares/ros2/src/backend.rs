@@ -166,8 +166,8 @@ impl Middleware for Ros2 {
 
 impl Ports for Ros2 {
     fn publisher(&self, port: &PortSpec<'_>) -> Result<Box<dyn Publisher>, OpenError> {
-        let wanted = self.ros.port(EndpointKind::Publisher, port.address, port.ty)?;
-        let _part = self.nodes.port(&self.ros, port.address);
+        let (wanted, used) = self.ros.port(EndpointKind::Publisher, port.address, port.ty)?;
+        let _part = self.nodes.port(&self.ros, port.address, used);
         let port = self.ros.rmw.publisher(port, wanted)?;
         Ok(Box::new(OfNode { port, _part }))
     }
@@ -177,7 +177,7 @@ impl Ports for Ros2 {
         port: &PortSpec<'_>,
         policy: Policy,
     ) -> Result<Box<dyn Subscription>, OpenError> {
-        let wanted = self.ros.port(EndpointKind::Subscription, port.address, port.ty)?;
+        let (wanted, _) = self.ros.port(EndpointKind::Subscription, port.address, port.ty)?;
         self.ros.rmw.subscription(port, policy, wanted)
     }
 }

@@ -27,6 +27,9 @@
 //! **Parameters.** Attributes with a single plain value are also parameters of the node, and every
 //! node of a component has `use_sim_time`.
 //!
+//! **Types.** Each node of a component tells what the types are made of that it uses
+//! (`get_type_description`).
+//!
 //! **Masquerades.** A service or activity may masquerade as a ROS one of equal structure; then only
 //! the foreign type is used. An exception becomes `success = false` and `message = ::demo::NAME
 //! {detail}` if the response has these two members (a service without outputs gets them for
@@ -59,11 +62,12 @@ mod body;
 mod client;
 mod conflict;
 mod dds;
+mod definitions;
+mod descriptions;
 mod diagnostics;
 mod domain;
 mod error;
 mod goals;
-mod hashes;
 mod inbox;
 mod lock;
 mod masquerades;
@@ -81,6 +85,7 @@ mod runs;
 mod server;
 mod services;
 mod typed;
+mod used;
 mod within;
 mod zenoh;
 

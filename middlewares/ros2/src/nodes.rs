@@ -4,13 +4,19 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-use genom_middleware::{Address, PublishError, Publisher, ServiceHandler, ServiceType};
+use genom_middleware::{
+    Address, PublishError, Publisher, ServiceHandler, ServiceKind, ServiceType,
+};
 use genom_types::Record;
 
+use crate::descriptions::{self, Types};
 use crate::lock::lock;
+use crate::names::TypeName;
 use crate::own_services::OwnServices;
 use crate::parameters::{self, Attributes};
+use crate::rmw::EndError;
 use crate::ros::Ros;
+use crate::used::{Parts, Used};
 
 /// The nodes that there are, by name with the namespace in front.
 #[derive(Default)]
@@ -21,10 +27,43 @@ struct Node {
     /// Ports and services that are open.
     ends: usize,
     attributes: Attributes,
-    /// Number of the component's own services with the name of a parameter service; if there are
-    /// any, it has no parameters.
+    types: Types,
+    parameters: Group,
+    descriptions: Group,
+}
+
+/// Services of ROS itself that a node has together.
+#[derive(Default)]
+struct Group {
+    /// Number of the component's own services that have the name of one of them; if there are any,
+    /// these are not there.
     clashes: usize,
-    parameters: Option<OwnServices>,
+    services: Option<OwnServices>,
+}
+
+/// Which services of ROS itself.
+#[derive(Clone, Copy)]
+enum Which {
+    Parameters,
+    Descriptions,
+}
+
+impl Which {
+    /// Those that have a service of this name.
+    fn has(name: &str) -> Option<Self> {
+        if parameters::is_taken_by(name) {
+            Some(Self::Parameters)
+        } else {
+            descriptions::is_taken_by(name).then_some(Self::Descriptions)
+        }
+    }
+
+    fn what(self) -> &'static str {
+        match self {
+            Self::Parameters => "parameters",
+            Self::Descriptions => "descriptions of types",
+        }
+    }
 }
 
 /// A port or a service of a component, which belongs to its node until this is dropped.
@@ -32,12 +71,14 @@ pub(crate) struct Part {
     all: Arc<Nodes>,
     node: String,
     is: Is,
+    /// Hashes of the types that it uses.
+    types: Vec<String>,
 }
 
 /// What a port or service is to its node.
 enum Is {
-    /// One whose name is that of a parameter service.
-    Clash,
+    /// One whose name is that of a service of ROS itself.
+    Clash(Which),
     /// An attribute that is a parameter, of this name.
     Attribute(String),
     Other,
@@ -45,8 +86,13 @@ enum Is {
 
 impl Nodes {
     /// Adds an out port to the node of its component.
-    pub(crate) fn port(self: &Arc<Self>, ros: &Ros, at: &Address) -> Option<Part> {
-        self.add(ros, at, Is::Other, |_| {})
+    pub(crate) fn port(
+        self: &Arc<Self>,
+        ros: &Ros,
+        at: &Address,
+        used: Option<Arc<Used>>,
+    ) -> Option<Part> {
+        self.add(ros, at, Is::Other, used.into_iter().collect(), |_| {})
     }
 
     /// Adds a service, which becomes a parameter if it is a suitable attribute.
@@ -56,15 +102,23 @@ impl Nodes {
         at: &Address,
         ty: &ServiceType,
         handler: &Arc<dyn ServiceHandler>,
+        parts: &Parts,
     ) -> Option<Part> {
-        if ros.options.parameters && parameters::is_taken_by(&at.name) {
-            tracing::info!("{at} is a name of ROS: {} has no parameters", at.instance);
-            return self.add(ros, at, Is::Clash, |node| node.clashes += 1);
+        let mut used: Vec<_> = parts.all().cloned().collect();
+        if ty.kind == ServiceKind::Activity {
+            for (folder, name) in [("srv", "CancelGoal"), ("msg", "GoalStatusArray")] {
+                used.extend(ros.masquerades.of_ros(&TypeName::new("action_msgs", folder, name)));
+            }
+        }
+        if let Some(which) = Which::has(&at.name) {
+            let what = which.what();
+            tracing::info!("{at} is a name of ROS: {} has no {what}", at.instance);
+            return self.add(ros, at, Is::Clash(which), used, |node| node.of(which).clashes += 1);
         }
         let Some(attribute) = parameters::attribute(&at.name, ty, handler) else {
-            return self.add(ros, at, Is::Other, |_| {});
+            return self.add(ros, at, Is::Other, used, |_| {});
         };
-        self.add(ros, at, Is::Attribute(at.name.clone()), |node| {
+        self.add(ros, at, Is::Attribute(at.name.clone()), used, |node| {
             lock(&node.attributes).insert(at.name.clone(), attribute);
         })
     }
@@ -75,22 +129,34 @@ impl Nodes {
         ros: &Ros,
         at: &Address,
         is: Is,
+        used: Vec<Arc<Used>>,
         change: impl FnOnce(&mut Node),
     ) -> Option<Part> {
         if at.instance.is_empty() {
             return None;
         }
         let name = ros.names.node(&at.instance);
+        let types = used.iter().map(|used| used.hash.clone()).collect();
         let mut all = lock(&self.0);
         let node = all.entry(name.clone()).or_default();
+        if node.ends == 0 {
+            node.uses(own_types(ros));
+        }
         node.ends += 1;
+        node.uses(used);
         change(node);
         let given_up = node.settle(ros, &name, at);
         // Dropping services waits for threads that may be serving them.
         drop(all);
         drop(given_up);
-        Some(Part { all: Arc::clone(self), node: name, is })
+        Some(Part { all: Arc::clone(self), node: name, is, types })
     }
+}
+
+/// Types of what every node has.
+fn own_types(ros: &Ros) -> Vec<Arc<Used>> {
+    let names = parameters::types().chain(descriptions::types());
+    names.filter_map(|name| ros.masquerades.of_ros(&name)).collect()
 }
 
 impl Drop for Part {
@@ -101,12 +167,14 @@ impl Drop for Part {
         // Its handler may have ends of its own, so that it is dropped without the lock.
         let attribute = match &self.is {
             Is::Attribute(name) => lock(&node.attributes).remove(name),
-            Is::Clash => {
-                node.clashes = node.clashes.saturating_sub(1);
+            Is::Clash(which) => {
+                let group = node.of(*which);
+                group.clashes = group.clashes.saturating_sub(1);
                 None
             }
             Is::Other => None,
         };
+        node.no_longer_uses(&self.types);
         let gone = if node.ends == 0 { all.remove(&self.node) } else { None };
         drop(all);
         drop((attribute, gone));
@@ -114,16 +182,64 @@ impl Drop for Part {
 }
 
 impl Node {
-    /// Opens or closes the services as needed. Returns what must be dropped when no lock is held.
-    fn settle(&mut self, ros: &Ros, name: &str, at: &Address) -> Option<OwnServices> {
-        if self.clashes > 0 || !ros.options.parameters {
-            return self.parameters.take();
+    fn of(&mut self, which: Which) -> &mut Group {
+        match which {
+            Which::Parameters => &mut self.parameters,
+            Which::Descriptions => &mut self.descriptions,
         }
-        if self.parameters.is_none() {
-            match parameters::open(ros, name, &self.attributes) {
-                Ok(services) => self.parameters = Some(services),
-                Err(why) => tracing::warn!("{at}: no parameters: {why}"),
+    }
+
+    fn uses(&self, used: Vec<Arc<Used>>) {
+        let mut types = lock(&self.types);
+        for used in used {
+            types.entry(used.hash.clone()).or_insert((used, 0)).1 += 1;
+        }
+    }
+
+    fn no_longer_uses(&self, hashes: &[String]) {
+        let mut types = lock(&self.types);
+        for hash in hashes {
+            let Some((_, users)) = types.get_mut(hash) else { continue };
+            *users -= 1;
+            if *users == 0 {
+                types.remove(hash);
             }
+        }
+    }
+
+    /// Opens or closes the services as needed. Returns what must be dropped when no lock is held.
+    fn settle(&mut self, ros: &Ros, name: &str, at: &Address) -> [Option<OwnServices>; 2] {
+        let Self { attributes, types, parameters, descriptions, .. } = self;
+        let (options, opened) = (&ros.options, |which: Which, services| match services {
+            Ok(services) => Some(services),
+            Err(why) => {
+                let why: EndError = why;
+                tracing::warn!("{at}: no {}: {why}", which.what());
+                None
+            }
+        });
+        [
+            parameters.settle(options.parameters, || {
+                opened(Which::Parameters, parameters::open(ros, name, attributes))
+            }),
+            descriptions.settle(options.type_descriptions, || {
+                opened(Which::Descriptions, descriptions::open(ros, name, types))
+            }),
+        ]
+    }
+}
+
+impl Group {
+    fn settle(
+        &mut self,
+        wanted: bool,
+        open: impl FnOnce() -> Option<OwnServices>,
+    ) -> Option<OwnServices> {
+        if self.clashes > 0 || !wanted {
+            return self.services.take();
+        }
+        if self.services.is_none() {
+            self.services = open();
         }
         None
     }

@@ -381,3 +381,60 @@ fn a_parameter_use_sim_time_that_a_component_has_itself_is_shown_instead() {
     let described = peer.ask(&json!(["describe", "robot", ["use_sim_time"]]));
     assert_eq!(described[0]["description"], "whether components live in the time of /clock");
 }
+
+const DESCRIBE: &str = "type_description_interfaces/srv/GetTypeDescription";
+
+/// What node `of` says of a type, without what is known of ROS's own types only where their packages
+/// are: defaults and comments.
+fn description(peer: &mut Peer, of: &str, name: &str, hash: &str) -> Value {
+    let asked = json!({"type_name": name, "type_hash": hash});
+    let mut told = peer.ask(&json!(["call", format!("/{of}/get_type_description"), asked]));
+    for source in told["type_sources"].as_array_mut().unwrap() {
+        source["raw_file_contents"].take();
+    }
+    told["extra_information"].take();
+    let description = &mut told["type_description"];
+    let mut all = vec![description["type_description"].take()];
+    all.extend(description["referenced_type_descriptions"].as_array_mut().unwrap().drain(..));
+    for one in &mut all {
+        for field in one["fields"].as_array_mut().unwrap() {
+            field["default_value"].take();
+        }
+    }
+    told["type_description"] = all.into();
+    told
+}
+
+#[test]
+fn types_of_ros_are_described_as_a_node_of_ros_describes_them() {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let ros2 = with_poses(&domain);
+    let _writer = ros2.publisher(&PortSpec::new(&Address::new("robot", "pose"), &pose())).unwrap();
+    let mut peer = peer(&domain);
+    peer.ask(&json!(["read", "/robot/pose", "geometry_msgs/msg/Pose"]));
+    for node in ["robot", "peer"] {
+        peer.ask(&json!(["client", format!("/{node}/get_type_description"), DESCRIBE]));
+    }
+    // Those of the port, and of the service itself.
+    for name in ["geometry_msgs/msg/Pose", DESCRIBE] {
+        let by_name = json!({"type_name": name});
+        let found = peer.ask(&json!(["call", "/robot/get_type_description", by_name]));
+        let hash = &found["extra_information"][0];
+        assert_eq!(hash["key"], "type_hash", "{found}");
+        let hash = hash["value"].as_str().unwrap();
+        let theirs = description(&mut peer, "peer", name, hash);
+        assert_eq!(theirs["successful"], true, "{name}: {theirs}");
+        assert_eq!(description(&mut peer, "robot", name, hash), theirs, "{name}");
+    }
+}
+
+#[test]
+fn a_component_that_serves_the_name_of_descriptions_itself_describes_no_types() {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let ros2 = domain.open();
+    let _own = Attribute::serve(&ros2, &Ids::default(), "type_description", |_| Kind::Double);
+    let mut peer = peer(&domain);
+    peer.ask(&json!(["parameters", "robot"]));
+    let types = peer.ask(&json!(["service", "/robot/get_type_description", "robot", "/"]));
+    assert_eq!(types, json!(["demo/srv/GetTypeDescription"]));
+}

@@ -15,7 +15,8 @@ use std::sync::Arc;
 
 use genom_middleware::{ServiceHandler, ServiceKind, ServiceType};
 
-use crate::own_services::OwnServices;
+use crate::names::TypeName;
+use crate::own_services::{OwnService, OwnServices};
 use crate::rmw::EndError;
 use crate::ros::Ros;
 
@@ -41,6 +42,11 @@ pub(crate) fn open(
 /// Whether one of these services has this name.
 pub(crate) fn is_taken_by(name: &str) -> bool {
     SERVICES.iter().any(|service| service.name == name)
+}
+
+/// The types of these services, and of what they tell.
+pub(crate) fn types() -> impl Iterator<Item = TypeName> {
+    SERVICES.iter().map(OwnService::type_name).chain([events::type_name()])
 }
 
 /// The attribute that a service is to a parameter, if it is one.
