@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 use genom_cells::{BlackBoxes, Cells, Failure, Kept, Reports, Rules, Setup, Told, react};
-use genom_configuration::{ClockKind, RpcSettings};
+use genom_configuration::RpcSettings;
 use genom_doors::{Slots, Streams};
 use genom_launch::Offers;
 use genom_supervisor::Supervisor;
@@ -110,17 +110,12 @@ fn cells(
     boxes: Arc<BlackBoxes>,
     failures: UnboundedSender<Failure>,
 ) -> Cells {
-    let mut config = settings.config.clone();
-    if config.clock == ClockKind::Ros {
-        // The daemon follows the topic, and steps its cells.
-        config.clock = ClockKind::Virtual;
-    }
     let (bus, withheld) = (Arc::clone(&supervisor.bus), Arc::clone(&supervisor.withheld));
     Cells::new(Setup {
         // Also when the file was replaced by a newer one since.
         program: PathBuf::from("/proc/self/exe"),
         socket: settings.rpc.socket.clone(),
-        config,
+        config: settings.config.clone(),
         settings: settings.cells.clone(),
         reports: Reports::new(&settings.config.crashes, &settings.rpc.socket),
         boxes,

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use genom_configuration::{
-    CellSettings, Config, Deployment, LoadRequest, MOST_ACTIVITIES, MemoryCheck, RpcSettings,
-    UsageError, levels,
+    CellSettings, ClockKind, Config, Deployment, LoadRequest, MOST_ACTIVITIES, MemoryCheck,
+    RpcSettings, UsageError, levels,
 };
 use genom_embedding::Program;
 use genom_gateway::Reach;
@@ -104,6 +104,11 @@ impl Settings {
             isolate_scripts(&mut deployment.component, &config.path);
         }
         let mut supervised = Supervised::from(config.clone());
+        if cli.run_cell.is_some() && config.clock == ClockKind::Ros {
+            // Its daemon follows the topic, and steps it.
+            config.clock = ClockKind::Virtual;
+            supervised.clock = config.clock;
+        }
         if !config.gateways.of.is_empty() {
             let daemon = config.gateways.daemon.as_ref().unwrap_or(&rpc.socket);
             let (of, reach) = (config.gateways.of.clone(), Reach::new(daemon));
@@ -144,8 +149,6 @@ fn host(check: MemoryCheck) -> genom_host::MemoryCheck {
 #[cfg(test)]
 mod tests {
     use clap::Parser as _;
-
-    use genom_configuration::ClockKind;
 
     use super::*;
 

@@ -33,6 +33,8 @@ pub struct Backends {
     /// Their sections of the configuration, by name.
     options: BTreeMap<String, toml::Table>,
     gateways: Option<Gateways>,
+    /// Whether the time of components is that of a simulator.
+    simulated: bool,
     pub(crate) open: Mutex<Open>,
     /// Called with each middleware when it opens.
     opens: RwLock<Vec<Box<OnOpen>>>,
@@ -53,6 +55,7 @@ impl Backends {
         Self {
             options,
             gateways: None,
+            simulated: false,
             open: Mutex::default(),
             opens: RwLock::default(),
             masquerades: Mutex::default(),
@@ -63,6 +66,12 @@ impl Backends {
     #[must_use]
     pub fn through(self, gateways: Option<Gateways>) -> Self {
         Self { gateways, ..self }
+    }
+
+    /// The same, with components whose time is that of a simulator, or not.
+    #[must_use]
+    pub fn simulated(self, simulated: bool) -> Self {
+        Self { simulated, ..self }
     }
 
     fn make(&self, known: &Known) -> Result<Arc<dyn Middleware>, SectionError> {
@@ -92,6 +101,9 @@ impl Backends {
         let opened = self.make(&known);
         let middleware =
             opened.map_err(|why| BackendError::Closed { name: name.to_owned(), why })?;
+        if self.simulated {
+            middleware.simulated_time();
+        }
         open.insert(known.name, (Arc::clone(&middleware), Instant::now()));
         let masquerades = self.masquerades();
         for (one, _) in masquerades.iter().filter(|(one, _)| one.on == known.name) {

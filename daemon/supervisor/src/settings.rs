@@ -22,6 +22,8 @@ pub struct Settings {
     pub include: Vec<PathBuf>,
     /// The clock of the components.
     pub clock: ClockKind,
+    /// Whether that is the time of a simulator on ROS 2; in a cell, which its daemon steps, too.
+    pub simulated: bool,
     /// Which threads execute the components.
     pub execution: ExecutionKind,
     /// Whether components are reloaded when their files change.
@@ -64,6 +66,7 @@ impl From<Config> for Settings {
             path: config.path,
             include: config.include,
             clock: config.clock,
+            simulated: config.clock == ClockKind::Ros,
             execution: config.execution,
             watch: config.watch,
             start_timeout: Duration::from_secs(config.start_timeout),

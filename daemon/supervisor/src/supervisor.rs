@@ -73,7 +73,7 @@ impl Supervisor {
             ExecutionKind::Single => Execution::Single(Arc::new(Executor::new("genomd-tasks"))),
         };
         let dates = Dates::of(&clock);
-        let backends = Backends::new(settings.backends.clone());
+        let backends = Backends::new(settings.backends.clone()).simulated(settings.simulated);
         let backends = Arc::new(backends.through(settings.gateways.clone()));
         let components = Arc::new(Components::default());
         let bus = Arc::new(Bus::new(dates.clone()));

@@ -60,6 +60,10 @@ pub trait Middleware: Ports + Send + Sync {
         let _ = ours;
     }
 
+    /// From now on, the time of components is that of a simulator, which tells it on this middleware.
+    /// Called before anything is opened. A backend whose peers do not ask for that ignores it.
+    fn simulated_time(&self) {}
+
     /// Whether tools of this middleware show what components log and how their tasks fare.
     fn takes_reports(&self) -> bool {
         false

@@ -14,6 +14,7 @@ use crate::diagnostics::Diagnostics;
 use crate::domain::Domain;
 use crate::error::{BACKEND, ParticipantError};
 use crate::names;
+use crate::nodes::{Nodes, OfNode};
 use crate::options::{Networks, Options, Rmw as Carrier};
 use crate::rmw::Rmw;
 use crate::ros::Ros;
@@ -29,6 +30,7 @@ pub struct Ros2 {
     diagnostics: Arc<Diagnostics>,
     ros: Arc<Ros>,
     services: Arc<ServiceEnds>,
+    nodes: Arc<Nodes>,
     meeting: Vec<(Cow<'static, str>, String)>,
 }
 
@@ -44,10 +46,11 @@ impl Ros2 {
             Carrier::Zenoh => Zenoh::open(options)?,
         };
         let ros = Ros::new(rmw, options);
-        let services = ServiceEnds::new(Arc::clone(&ros));
+        let nodes = Arc::<Nodes>::default();
+        let services = ServiceEnds::new(Arc::clone(&ros), Arc::clone(&nodes));
         let meeting = meeting(options)?;
         let (rosout, diagnostics) = (Arc::default(), Arc::default());
-        Ok(Arc::new(Self { rosout, diagnostics, ros, services, meeting }))
+        Ok(Arc::new(Self { rosout, diagnostics, ros, services, nodes, meeting }))
     }
 
     /// Blocks the out port that was opened first from sending until the result is dropped, so that
@@ -140,6 +143,10 @@ impl Middleware for Ros2 {
         }
     }
 
+    fn simulated_time(&self) {
+        self.ros.simulate();
+    }
+
     fn takes_reports(&self) -> bool {
         true
     }
@@ -159,8 +166,10 @@ impl Middleware for Ros2 {
 
 impl Ports for Ros2 {
     fn publisher(&self, port: &PortSpec<'_>) -> Result<Box<dyn Publisher>, OpenError> {
-        let wanted = self.ros.port(EndpointKind::Publisher, port.address, port.ty)?;
-        self.ros.rmw.publisher(port, wanted)
+        let (wanted, used) = self.ros.port(EndpointKind::Publisher, port.address, port.ty)?;
+        let _part = self.nodes.port(&self.ros, port.address, used);
+        let port = self.ros.rmw.publisher(port, wanted)?;
+        Ok(Box::new(OfNode { port, _part }))
     }
 
     fn subscription(
@@ -168,7 +177,7 @@ impl Ports for Ros2 {
         port: &PortSpec<'_>,
         policy: Policy,
     ) -> Result<Box<dyn Subscription>, OpenError> {
-        let wanted = self.ros.port(EndpointKind::Subscription, port.address, port.ty)?;
+        let (wanted, _) = self.ros.port(EndpointKind::Subscription, port.address, port.ty)?;
         self.ros.rmw.subscription(port, policy, wanted)
     }
 }

@@ -11,6 +11,7 @@ use genom_middleware::{
 
 use crate::body::{self, CANCELED, Fields, GoalId, INTERRUPTED, SUCCEEDED, Style};
 use crate::lock::lock;
+use crate::nodes::Part;
 use crate::rmw::{Claim, Gid, Reply, Rmw, ServerEnd, TopicWriter};
 
 /// Number of finished goals whose results are kept for late requests.
@@ -333,6 +334,8 @@ pub(crate) struct Ros2Action {
     pub(crate) server: Arc<ActionServer>,
     pub(crate) ends: Ends,
     pub(crate) claim: Option<Box<dyn Claim>>,
+    /// What it is to its node.
+    pub(crate) part: Option<Part>,
     pub(crate) rmw: Arc<dyn Rmw>,
 }
 
@@ -341,6 +344,7 @@ impl Served for Ros2Action {}
 impl Drop for Ros2Action {
     fn drop(&mut self) {
         // Withdraw the service before answering the last requests.
+        self.part = None;
         self.ends.all().iter().for_each(|end| end.withdraw());
         self.claim = None;
         self.rmw.settle();

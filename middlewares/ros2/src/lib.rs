@@ -24,7 +24,11 @@
 //! CANCELED, one with another exception ABORTED. A client that cancels a goal interrupts the
 //! activity, which then ends CANCELED even if it stopped in an orderly way.
 //!
-//! **Parameters.** Attributes with a single plain value are also parameters of the node.
+//! **Parameters.** Attributes with a single plain value are also parameters of the node, and every
+//! node of a component has `use_sim_time`.
+//!
+//! **Types.** Each node of a component tells what the types are made of that it uses
+//! (`get_type_description`).
 //!
 //! **Masquerades.** A service or activity may masquerade as a ROS one of equal structure; then only
 //! the foreign type is used. An exception becomes `success = false` and `message = ::demo::NAME
@@ -58,16 +62,19 @@ mod body;
 mod client;
 mod conflict;
 mod dds;
+mod definitions;
+mod descriptions;
 mod diagnostics;
 mod domain;
 mod error;
 mod goals;
-mod hashes;
 mod inbox;
 mod lock;
 mod masquerades;
 mod names;
+mod nodes;
 mod options;
+mod own_services;
 mod own_topic;
 mod parameters;
 mod port;
@@ -78,6 +85,7 @@ mod runs;
 mod server;
 mod services;
 mod typed;
+mod used;
 mod within;
 mod zenoh;
 

@@ -1,7 +1,7 @@
 //! Types and services that masquerade as ROS's own.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{PoisonError, RwLock};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use genom_middleware::{NoForeignName, ServiceKind, ServiceType};
 use genom_rosidl::{Library, Manner, MasqueradeError, Ours, TypeName};
@@ -9,6 +9,7 @@ use genom_types::DataType;
 
 use crate::names;
 use crate::options::Options;
+use crate::used::Used;
 
 /// All masquerades, and the definitions against which they are checked.
 pub(crate) struct Masquerades {
@@ -17,6 +18,8 @@ pub(crate) struct Masquerades {
     /// Those from the options, which cannot be removed.
     configured: BTreeSet<String>,
     pub(crate) library: Library,
+    /// Those of its types that were used, by name.
+    pub(crate) foreign: Mutex<HashMap<TypeName, Arc<Used>>>,
 }
 
 impl Masquerades {
@@ -28,6 +31,7 @@ impl Masquerades {
             all: RwLock::new(all.collect()),
             configured: options.masquerade.keys().cloned().collect(),
             library: Library::with_ament(options.interfaces.clone(), ament.as_deref()),
+            foreign: Mutex::default(),
         }
     }
 

@@ -160,6 +160,8 @@ pub struct Options {
     pub zenoh: ZenohOptions,
     /// Whether attributes with a single plain value are also parameters.
     pub parameters: bool,
+    /// Whether nodes of components tell what the types are made of that they use.
+    pub type_descriptions: bool,
     /// ROS types of equal structure as which IDL types and services masquerade: `::demo::pose` as
     /// `geometry_msgs/msg/Pose`, service `::demo::reset` as `std_srvs/srv/Trigger`.
     pub masquerade: BTreeMap<String, String>,
@@ -191,6 +193,7 @@ impl Default for Options {
             services: ServiceMapping::default(),
             qos: Qos::default(),
             parameters: true,
+            type_descriptions: true,
             masquerade: BTreeMap::new(),
             interfaces: Vec::new(),
             greatest_sample: sample,

@@ -9,7 +9,7 @@ use genom_middleware::{
 
 use crate::body::{self, Fields, Style};
 use crate::lock::lock;
-use crate::parameters::Part;
+use crate::nodes::Part;
 use crate::rmw::{Claim, Reply, Rmw, ServerEnd};
 
 /// A served attribute or function.
@@ -108,8 +108,8 @@ pub(crate) struct Ros2Served {
     pub(crate) server: Arc<Server>,
     pub(crate) end: Box<dyn ServerEnd>,
     pub(crate) claim: Option<Box<dyn Claim>>,
-    /// Its contribution to the node's parameters.
-    pub(crate) parameter: Option<Part>,
+    /// What it is to its node.
+    pub(crate) part: Option<Part>,
     pub(crate) rmw: Arc<dyn Rmw>,
 }
 
@@ -118,7 +118,7 @@ impl Served for Ros2Served {}
 impl Drop for Ros2Served {
     fn drop(&mut self) {
         // Withdraw the service before answering the last requests.
-        self.parameter = None;
+        self.part = None;
         self.end.withdraw();
         self.claim = None;
         self.rmw.settle();

@@ -13,13 +13,13 @@ use genom_rosidl::TypeName;
 use crate::body::Style;
 use crate::client::{ACQUAINTANCE, Ros2Client, Way};
 use crate::goals::{ActionServer, Ends, Ros2Action};
-use crate::hashes::Hashes;
 use crate::names;
-use crate::parameters::Parameters;
+use crate::nodes::Nodes;
 use crate::rmw::{Claim, ClientEnd, EndError, Entities, Named, Reply, Service, Wanted};
 use crate::ros::{Ros, failed};
 use crate::runs::{ActionEnd, Runs};
 use crate::server::{Ros2Served, Server};
+use crate::used::{Parts, Used, hash};
 use crate::within::Own;
 
 /// What this daemon serves and calls, by the name of the service.
@@ -28,7 +28,7 @@ pub(crate) struct ServiceEnds {
     own: Arc<Own>,
     clients: Mutex<HashMap<String, Weak<dyn ClientEnd>>>,
     actions: Mutex<HashMap<String, Weak<ActionEnd>>>,
-    parameters: Arc<Parameters>,
+    nodes: Arc<Nodes>,
 }
 
 /// All names of one service.
@@ -36,16 +36,16 @@ struct Plan {
     wanted: Wanted,
     path: String,
     ty: TypeName,
-    hashes: Hashes,
+    parts: Parts,
     style: Style,
 }
 
 impl Plan {
-    fn part(&self, suffix: &str, part: &str, hash: Option<&String>) -> Named {
+    fn part(&self, suffix: &str, part: &str, of: Option<&Arc<Used>>) -> Named {
         Named {
             name: format!("{}/_action/{suffix}", self.path),
             ty: self.ty.part(part),
-            hash: hash.cloned(),
+            hash: hash(of),
         }
     }
 
@@ -55,11 +55,11 @@ impl Plan {
     }
 
     fn get_result(&self) -> Named {
-        self.part("get_result", "_GetResult", self.hashes.get_result.as_ref())
+        self.part("get_result", "_GetResult", self.parts.get_result.as_ref())
     }
 
     fn feedback(&self) -> Named {
-        self.part("feedback", "_FeedbackMessage", self.hashes.feedback.as_ref())
+        self.part("feedback", "_FeedbackMessage", self.parts.feedback.as_ref())
     }
 
     /// A part of every action, of a type of ROS.
@@ -78,13 +78,13 @@ impl Plan {
 }
 
 impl ServiceEnds {
-    pub(crate) fn new(ros: Arc<Ros>) -> Arc<Self> {
+    pub(crate) fn new(ros: Arc<Ros>, nodes: Arc<Nodes>) -> Arc<Self> {
         Arc::new(Self {
             ros,
             own: Arc::default(),
             clients: Mutex::default(),
             actions: Mutex::default(),
-            parameters: Arc::default(),
+            nodes,
         })
     }
 
@@ -93,24 +93,24 @@ impl ServiceEnds {
         let path = self.ros.names.path(at);
         let activity = ty.kind == ServiceKind::Activity;
         let foreign = masquerades.service(ty).map_err(|why| failed(at, why))?;
-        let hashes = |name: &TypeName, foreign| masquerades.hashes(name, ty, foreign);
-        let (ros, hashes, style) = match foreign {
+        let parts = |name: &TypeName, foreign| masquerades.of_service(name, ty, foreign);
+        let (ros, parts, style) = match foreign {
             Some((name, manner)) => {
-                let hashes = hashes(&name, true);
-                (name, hashes, Style::Foreign(manner))
+                let parts = parts(&name, true);
+                (name, parts, Style::Foreign(manner))
             }
             None => {
                 let folder = if activity { "action" } else { "srv" };
                 let name = names::service(&ty.input, at, folder);
-                let hashes = hashes(&name, false);
-                (name, hashes, Style::Genom)
+                let parts = parts(&name, false);
+                (name, parts, Style::Genom)
             }
         };
         let (suffix, part) = if activity { ("/_action/send_goal", "_SendGoal") } else { ("", "") };
         let of = Named {
             name: format!("{path}{suffix}"),
             ty: ros.part(part),
-            hash: hashes.service.clone(),
+            hash: hash(parts.service.as_ref()),
         };
         let wanted = Wanted {
             kind: EndpointKind::Service,
@@ -120,7 +120,7 @@ impl ServiceEnds {
             of,
             node: self.ros.names.node(&at.instance),
         };
-        Ok(Plan { wanted, path, ty: ros, hashes, style })
+        Ok(Plan { wanted, path, ty: ros, parts, style })
     }
 
     pub(crate) fn serve(
@@ -133,7 +133,7 @@ impl ServiceEnds {
         let claim = self.ros.rmw.claim(at, &plan.wanted)?;
         let weak = Arc::downgrade(&handler);
         let served = match ty.kind {
-            ServiceKind::Activity => self.serve_action(&plan, ty, handler, claim),
+            ServiceKind::Activity => self.serve_action(&plan, at, ty, handler, claim),
             _ => self.serve_function(&plan, at, ty, handler, claim),
         };
         let served = served.map_err(|why| failed(at, why))?;
@@ -150,7 +150,7 @@ impl ServiceEnds {
         claim: Box<dyn Claim>,
     ) -> Result<Box<dyn Served>, EndError> {
         let ros = &self.ros;
-        let parameter = self.parameters.add(ros, at, ty, &handler);
+        let part = self.nodes.service(ros, at, ty, &handler, &plan.parts);
         let server = Server::new(ty.clone(), plan.style, handler);
         let weak = Arc::downgrade(&server);
         let on_request = move |reply, message: &[u8]| {
@@ -164,7 +164,7 @@ impl ServiceEnds {
             server,
             end,
             claim: Some(claim),
-            parameter,
+            part,
             rmw: Arc::clone(&ros.rmw),
         }))
     }
@@ -172,10 +172,12 @@ impl ServiceEnds {
     fn serve_action(
         &self,
         plan: &Plan,
+        at: &Address,
         ty: &ServiceType,
         handler: Arc<dyn ServiceHandler>,
         claim: Box<dyn Claim>,
     ) -> Result<Box<dyn Served>, EndError> {
+        let part = self.nodes.service(&self.ros, at, ty, &handler, &plan.parts);
         let server = ActionServer::new(ty.clone(), plan.style, handler);
         let (ros, node) = (&self.ros, plan.wanted.node.as_str());
         let open = |of: &Named, on: fn(&Arc<ActionServer>, Box<dyn Reply>, &[u8])| {
@@ -204,7 +206,7 @@ impl ServiceEnds {
         }
         claim.made(entities);
         let rmw = Arc::clone(&ros.rmw);
-        Ok(Box::new(Ros2Action { server, ends, claim: Some(claim), rmw }))
+        Ok(Box::new(Ros2Action { server, ends, claim: Some(claim), part, rmw }))
     }
 
     pub(crate) fn client(

@@ -12,8 +12,8 @@ use std::sync::{Arc, Mutex};
 use genom_components::peer::Peer;
 use genom_conformance::eventually;
 use genom_middleware::{
-    ActivityId, Address, Discovery, EndpointKind, Outcome, Policy, PortSpec, Ports, Reading,
-    Replies, Served, ServiceHandler, ServiceKind, ServiceType, Services,
+    ActivityId, Address, Discovery, EndpointKind, Middleware, Outcome, Policy, PortSpec, Ports,
+    Reading, Replies, Served, ServiceHandler, ServiceKind, ServiceType, Services,
 };
 use genom_ros2::{Options, Ros2, ServiceMapping};
 use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeTable};
@@ -224,7 +224,7 @@ fn a_ros_node_gets_and_sets_attributes_as_parameters() {
     let names = json!(["on", "count", "gain", "name", "row", "gian"]);
     assert_eq!(
         peer.ask(&json!(["list", "robot"])),
-        json!({"names": ["count", "gain", "name", "on", "row"], "prefixes": []})
+        json!({"names": ["count", "gain", "name", "on", "row", "use_sim_time"], "prefixes": []})
     );
     assert_eq!(
         peer.ask(&json!(["get", "robot", names])),
@@ -323,4 +323,118 @@ fn a_component_that_serves_a_name_of_ros_itself_has_no_parameters() {
     peer.ask(&json!(["service", "/robot/list_parameters", "robot", "/"]));
     let _clash = Attribute::serve(&ros2, &ids, "parameters", kind);
     peer.ask(&json!(["no service", "/robot/list_parameters", "robot", "/"]));
+}
+
+/// What `ros2 param dump` writes of a node: all that it lists.
+fn dumped(peer: &mut Peer, node: &str) -> Value {
+    let names = peer.ask(&json!(["list", node]))["names"].clone();
+    let values = peer.ask(&json!(["get", node, names]));
+    json!([names, values])
+}
+
+#[test]
+fn every_node_says_in_use_sim_time_whether_its_time_is_that_of_a_simulator() {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let mut peer = peer(&domain);
+    for (node, simulated) in [("own", false), ("simulated", true)] {
+        let ros2 = domain.open();
+        if simulated {
+            ros2.simulated_time();
+        }
+        // A port makes a node, as an attribute does.
+        let _writer = ros2.publisher(&PortSpec::new(&Address::new(node, "pose"), &pose())).unwrap();
+        peer.ask(&json!(["parameters", node]));
+        assert_eq!(dumped(&mut peer, node), json!([["use_sim_time"], [simulated]]));
+        assert_eq!(peer.ask(&json!(["types", node, ["use_sim_time"]])), json!(["BOOL"]));
+        let described = &peer.ask(&json!(["describe", node, ["use_sim_time"]]))[0];
+        assert_eq!(
+            (&described["name"], &described["type"], &described["read_only"]),
+            (&json!("use_sim_time"), &json!(1), &json!(true))
+        );
+        let wanted =
+            json!([["use_sim_time", simulated], ["use_sim_time", !simulated], ["use_sim_time", 1]]);
+        let results = peer.ask(&json!(["set", node, wanted]));
+        assert_eq!(results[0], json!({"successful": true, "reason": ""}));
+        let why = results[1]["reason"].as_str().unwrap();
+        let clock = if simulated { "--clock monotonic" } else { "--clock ros" };
+        assert!(why.contains("that of the daemon") && why.contains(clock), "{why}");
+        assert_eq!(results[2]["reason"], "it is of type bool, not integer");
+        assert_eq!(dumped(&mut peer, node), json!([["use_sim_time"], [simulated]]));
+    }
+}
+
+#[test]
+fn a_parameter_use_sim_time_that_a_component_has_itself_is_shown_instead() {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let ros2 = domain.open();
+    let ids: Ids = Arc::new(Mutex::new(Map::from_iter([("use_sim_time".into(), json!(true))])));
+    let served = Attribute::serve(&ros2, &ids, "use_sim_time", |_| Kind::Boolean);
+    let mut peer = peer(&domain);
+    peer.ask(&json!(["parameters", "robot"]));
+    assert_eq!(dumped(&mut peer, "robot"), json!([["use_sim_time"], [true]]));
+    let results = peer.ask(&json!(["set", "robot", [["use_sim_time", false]]]));
+    assert_eq!(results[0]["successful"], true);
+    assert_eq!(ids.lock().unwrap()["use_sim_time"], json!(false));
+    // Where something else of the component remains, so does the node, with the clock that it has.
+    let _writer = ros2.publisher(&PortSpec::new(&Address::new("robot", "pose"), &pose())).unwrap();
+    drop(served);
+    let described = peer.ask(&json!(["describe", "robot", ["use_sim_time"]]));
+    assert_eq!(described[0]["description"], "whether components live in the time of /clock");
+}
+
+const DESCRIBE: &str = "type_description_interfaces/srv/GetTypeDescription";
+
+/// What node `of` says of a type, without what is known of ROS's own types only where their packages
+/// are: defaults and comments.
+fn description(peer: &mut Peer, of: &str, name: &str, hash: &str) -> Value {
+    let asked = json!({"type_name": name, "type_hash": hash});
+    let mut told = peer.ask(&json!(["call", format!("/{of}/get_type_description"), asked]));
+    for source in told["type_sources"].as_array_mut().unwrap() {
+        source["raw_file_contents"].take();
+    }
+    told["extra_information"].take();
+    let description = &mut told["type_description"];
+    let mut all = vec![description["type_description"].take()];
+    all.extend(description["referenced_type_descriptions"].as_array_mut().unwrap().drain(..));
+    for one in &mut all {
+        for field in one["fields"].as_array_mut().unwrap() {
+            field["default_value"].take();
+        }
+    }
+    told["type_description"] = all.into();
+    told
+}
+
+#[test]
+fn types_of_ros_are_described_as_a_node_of_ros_describes_them() {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let ros2 = with_poses(&domain);
+    let _writer = ros2.publisher(&PortSpec::new(&Address::new("robot", "pose"), &pose())).unwrap();
+    let mut peer = peer(&domain);
+    peer.ask(&json!(["read", "/robot/pose", "geometry_msgs/msg/Pose"]));
+    for node in ["robot", "peer"] {
+        peer.ask(&json!(["client", format!("/{node}/get_type_description"), DESCRIBE]));
+    }
+    // Those of the port, and of the service itself.
+    for name in ["geometry_msgs/msg/Pose", DESCRIBE] {
+        let by_name = json!({"type_name": name});
+        let found = peer.ask(&json!(["call", "/robot/get_type_description", by_name]));
+        let hash = &found["extra_information"][0];
+        assert_eq!(hash["key"], "type_hash", "{found}");
+        let hash = hash["value"].as_str().unwrap();
+        let theirs = description(&mut peer, "peer", name, hash);
+        assert_eq!(theirs["successful"], true, "{name}: {theirs}");
+        assert_eq!(description(&mut peer, "robot", name, hash), theirs, "{name}");
+    }
+}
+
+#[test]
+fn a_component_that_serves_the_name_of_descriptions_itself_describes_no_types() {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let ros2 = domain.open();
+    let _own = Attribute::serve(&ros2, &Ids::default(), "type_description", |_| Kind::Double);
+    let mut peer = peer(&domain);
+    peer.ask(&json!(["parameters", "robot"]));
+    let types = peer.ask(&json!(["service", "/robot/get_type_description", "robot", "/"]));
+    assert_eq!(types, json!(["demo/srv/GetTypeDescription"]));
 }

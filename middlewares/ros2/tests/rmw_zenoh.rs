@@ -8,6 +8,7 @@
     reason = "test code, also outside of test functions"
 )]
 
+mod own_services;
 mod told;
 #[path = "world/zenoh.rs"]
 mod world;
@@ -359,34 +360,6 @@ fn a_node_has_an_action_run_by_the_services_and_topics_that_it_is_made_of() {
     let status = node.ask(&json!(["sample", path("status")]));
     let body = status["body"].as_str().unwrap();
     assert!(body.starts_with(&format!("0001000001000000{id}")) && body.ends_with("04"), "{body}");
-}
-
-#[test]
-fn attributes_are_parameters_of_the_node() {
-    let place = Place::new();
-    let ros2 = place.open();
-    const DOUBLE: Make = |table| table.add(Kind::Double);
-    let input = part("get_speed", "input", &[]);
-    let output = part("get_speed", "output", &[("speed", DOUBLE)]);
-    let ty = ServiceType::new(ServiceKind::Attribute, input, output);
-    struct Speed(DataType);
-    impl ServiceHandler for Speed {
-        fn request(&self, _: Record, replies: Box<dyn Replies>) {
-            replies.finish(Outcome::Success(record(&self.0, &json!({"speed": 0.5}))));
-        }
-        fn cancel(&self, _: ActivityId) {}
-    }
-    let handler = Arc::new(Speed(ty.output.clone()));
-    let _served = ros2.serve(&Address::new("demo", "get_speed"), &ty, handler).unwrap();
-    let mut node = node(&place, false);
-    let list = "rcl_interfaces::srv::dds_::ListParameters_";
-    let hash = "RIHS01_3e6062bfbb27bfb8730d4cef2558221f51a11646d78e7bb30a1e83afac3aad9d";
-    node.ask(&json!(["client", "/demo/list_parameters", list, hash]));
-    // No prefixes, any depth.
-    let all = "00010000".to_owned() + &"00".repeat(16);
-    let reply = node.ask(&json!(["call", "/demo/list_parameters", all]));
-    let listed = hexadecimal(b"speed");
-    assert!(reply["body"].as_str().unwrap().contains(&listed), "{reply}");
 }
 
 #[test]

@@ -1,50 +1,26 @@
 //! RIHS01: the type hash by which ROS 2 recognises equal types (REP-2016).
 //!
-//! It is the SHA-256 of a JSON text with the names and members of a type and of all types within
-//! it.
+//! It is the SHA-256 of a JSON text with the description of a type.
 
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use sha2::{Digest, Sha256};
 
-use crate::interface::{Base, Field, Interface, Message, Service, Shape};
-use crate::names::TypeName;
+use crate::description::{Description, FieldType, Missing, fields};
+use crate::interface::{Interface, Message};
 use crate::structure::Find;
-
-/// The definition of a type within the hashed one is missing.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0} has to be known for the hash of a type that contains it")]
-pub struct HashError(pub TypeName);
 
 /// The hash of an interface: `RIHS01_` and 64 hexadecimal digits. `find` looks up the messages
 /// within.
 ///
 /// # Errors
 /// `find` does not know one of them.
-pub fn hash(interface: &Interface, find: Find<'_>) -> Result<String, HashError> {
-    let mut all = BTreeMap::new();
-    let whole = whole(interface, &mut all);
-    let mut todo: Vec<Message> = all.values().cloned().chain([whole.clone()]).collect();
-    while let Some(message) = todo.pop() {
-        for field in &message.fields {
-            let Base::Message(name) = &field.base else { continue };
-            if all.contains_key(name) {
-                continue;
-            }
-            let found = find(name).or_else(|| implied(name));
-            let inner = found.ok_or_else(|| HashError(name.clone()))?;
-            all.insert(name.clone(), inner.clone());
-            todo.push(inner);
-        }
-    }
+pub fn hash(interface: &Interface, find: Find<'_>) -> Result<String, Missing> {
+    let Description { whole, others } = Description::of(interface, find)?;
     let mut text = String::from("{\"type_description\": ");
     describe(&whole, &mut text);
     text.push_str(", \"referenced_type_descriptions\": [");
-    // Sorted by name as text.
-    let mut others: Vec<&Message> = all.values().collect();
-    others.sort_by_key(|message| message.name.to_string());
-    for (rank, message) in others.into_iter().enumerate() {
+    for (rank, message) in others.iter().enumerate() {
         text.push_str(if rank > 0 { ", " } else { "" });
         describe(message, &mut text);
     }
@@ -56,76 +32,10 @@ pub fn hash(interface: &Interface, find: Find<'_>) -> Result<String, HashError> 
     Ok(out)
 }
 
-/// The interface as a single message. Adds the messages that it consists of to `all`.
-fn whole(interface: &Interface, all: &mut BTreeMap<TypeName, Message>) -> Message {
-    match interface {
-        Interface::Message(message) => message.clone(),
-        Interface::Service(service) => service_message(service, all),
-        Interface::Action(action) => {
-            let name = &action.name;
-            let (send, get) = (action.send_goal(), action.get_result());
-            let feedback = action.feedback_message();
-            for message in [&action.goal, &action.result, &action.feedback, &feedback] {
-                all.insert(message.name.clone(), message.clone());
-            }
-            for service in [&send, &get] {
-                let message = service_message(service, all);
-                all.insert(message.name.clone(), message);
-            }
-            let fields = [
-                ("goal", "_Goal"),
-                ("result", "_Result"),
-                ("feedback", "_Feedback"),
-                ("send_goal_service", "_SendGoal"),
-                ("get_result_service", "_GetResult"),
-                ("feedback_message", "_FeedbackMessage"),
-            ];
-            let fields = fields.map(|(field, suffix)| one(field, name.part(suffix)));
-            Message { fields: fields.into(), ..Message::new(name.clone()) }
-        }
-    }
-}
-
-fn one(name: &str, ty: TypeName) -> Field {
-    Field::one(name, Base::Message(ty))
-}
-
-fn service_message(service: &Service, all: &mut BTreeMap<TypeName, Message>) -> Message {
-    let event = service.name.part("_Event");
-    let at_most_one = |name: &str, ty: &TypeName| Field {
-        shape: Shape::Sequence(Some(1)),
-        ..one(name, ty.clone())
-    };
-    let info = TypeName::new("service_msgs", "msg", "ServiceEventInfo");
-    let fields = vec![
-        one("info", info),
-        at_most_one("request", &service.request.name),
-        at_most_one("response", &service.response.name),
-    ];
-    let event = Message { fields, ..Message::new(event) };
-    for message in [&service.request, &service.response, &event] {
-        all.insert(message.name.clone(), message.clone());
-    }
-    let fields = vec![
-        one("request_message", service.request.name.clone()),
-        one("response_message", service.response.name.clone()),
-        one("event_message", event.name),
-    ];
-    Message { fields, ..Message::new(service.name.clone()) }
-}
-
-/// Messages that are part of every service and action.
-fn implied(name: &TypeName) -> Option<Message> {
-    crate::standard::message(name)
-}
-
 fn describe(message: &Message, out: &mut String) {
     _ = write!(out, "{{\"type_name\": \"{}\", \"fields\": [", message.name);
-    // ROS has no empty messages.
-    let filler = [Field::one("structure_needs_at_least_one_member", Base::UInt8)];
-    let fields = if message.fields.is_empty() { &filler[..] } else { &message.fields };
-    for (rank, field) in fields.iter().enumerate() {
-        let (id, capacity, string_capacity, nested) = numbers(field);
+    for (rank, field) in fields(message).iter().enumerate() {
+        let FieldType { id, capacity, string_capacity, nested } = FieldType::of(field);
         _ = write!(
             out,
             "{}{{\"name\": \"{}\", \"type\": {{\"type_id\": {id}, \"capacity\": {capacity}, \
@@ -137,41 +47,10 @@ fn describe(message: &Message, out: &mut String) {
     out.push_str("]}");
 }
 
-/// The numbers of a `type_description_interfaces/msg/FieldType`: type id, capacity, string
-/// capacity; and the nested type name.
-fn numbers(field: &Field) -> (u32, u32, u32, String) {
-    let (id, string, nested) = match &field.base {
-        Base::Message(name) => (1, 0, name.to_string()),
-        Base::Int8 => (2, 0, String::new()),
-        Base::UInt8 => (3, 0, String::new()),
-        Base::Int16 => (4, 0, String::new()),
-        Base::UInt16 => (5, 0, String::new()),
-        Base::Int32 => (6, 0, String::new()),
-        Base::UInt32 => (7, 0, String::new()),
-        Base::Int64 => (8, 0, String::new()),
-        Base::UInt64 => (9, 0, String::new()),
-        Base::Float32 => (10, 0, String::new()),
-        Base::Float64 => (11, 0, String::new()),
-        Base::Bool => (15, 0, String::new()),
-        Base::Byte => (16, 0, String::new()),
-        Base::String(None) => (17, 0, String::new()),
-        Base::WString(None) => (18, 0, String::new()),
-        Base::String(Some(most)) => (21, *most, String::new()),
-        Base::WString(Some(most)) => (22, *most, String::new()),
-    };
-    let (more, capacity) = match field.shape {
-        Shape::One => (0, 0),
-        Shape::Array(count) => (48, count),
-        Shape::Sequence(Some(most)) => (96, most),
-        Shape::Sequence(None) => (144, 0),
-    };
-    (id + more, capacity, string, nested)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{parse, standard};
+    use crate::{TypeName, parse, standard};
 
     /// Hashes published with the packages of ROS 2 Jazzy (`share/PACKAGE/FOLDER/NAME.json`).
     const PUBLISHED: &[(&str, &str)] = &[
@@ -244,6 +123,14 @@ mod tests {
             "RIHS01_41bcbbe07a75c9b52bc96bfd5c24d7f0fc0a08c0cb7921b3373c5732345a6f45",
         ),
         (
+            "type_description_interfaces/msg/TypeDescription",
+            "RIHS01_739f2508c9fa3a6f330913ff5b9d25fb74159a077da71e1087f51a60c12a080b",
+        ),
+        (
+            "type_description_interfaces/srv/GetTypeDescription",
+            "RIHS01_69b9c19c1021405984cc60dbbb1edceb147a6538b411d812ba6afabeed962cd5",
+        ),
+        (
             "std_msgs/msg/Char",
             "RIHS01_3ad2d04dd29ba19d04b16659afa3ccaedd691914b02a64e82e252f2fa6a586a9",
         ),
@@ -294,6 +181,6 @@ mod tests {
         let name = TypeName::new("demo", "msg", "A");
         let interface = parse(&name, "B b\n").unwrap();
         let error = hash(&interface, &|_| None).unwrap_err();
-        assert_eq!(error, HashError(TypeName::new("demo", "msg", "B")));
+        assert_eq!(error, Missing(TypeName::new("demo", "msg", "B")));
     }
 }

@@ -9,6 +9,7 @@
 
 #![forbid(unsafe_code)]
 
+mod description;
 mod hash;
 mod interface;
 mod library;
@@ -17,11 +18,13 @@ mod masquerade;
 mod names;
 mod package;
 mod parse;
+mod source;
 mod standard;
 mod structure;
 mod text;
 
-pub use hash::{HashError, hash};
+pub use description::{Description, FieldType, Missing, fields};
+pub use hash::hash;
 pub use interface::{Action, Base, Constant, Field, Interface, Message, Service, Shape};
 pub use library::{Library, LibraryError};
 pub use map::{MapError, Mapper, Place, Problem};
@@ -29,4 +32,5 @@ pub use masquerade::{Failure, Manner, MasqueradeError, Ours, Typed};
 pub use names::{TypeName, masqueraded, message, service, service_of};
 pub use package::{PackageError, Packages};
 pub use parse::{Mistake, ParseError, parse};
+pub use source::{Source, sources};
 pub use structure::{Difference, Find, compare};

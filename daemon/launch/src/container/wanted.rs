@@ -84,14 +84,14 @@ pub(crate) fn attributes(
     let full = |one: &Setter<'_>| format!("{}.{}", one.service.name, one.member);
     let mut all = BTreeMap::new();
     for (name, value) in parameters {
-        if name == CLOCK {
-            match value.as_bool() == Some(simulated) {
-                true => continue,
-                false => return Err(Unwanted::Clock(value.clone())),
-            }
-        }
         let is = |one: &&Setter<'_>| (one.member == name && alone(name)) || full(one) == *name;
         let Some(setter) = setters.iter().find(is) else {
+            if name == CLOCK {
+                match value.as_bool() == Some(simulated) {
+                    true => continue,
+                    false => return Err(Unwanted::Clock(value.clone())),
+                }
+            }
             let known: Vec<String> = setters
                 .iter()
                 .map(|one| if alone(one.member) { one.member.to_owned() } else { full(one) })

@@ -15,6 +15,18 @@ pub(crate) enum SetError {
     Unknown(String),
     #[error("`{0}` can only be read")]
     ReadOnly(String),
+    /// `use_sim_time` is false, and no component can change that.
+    #[error(
+        "the clock of all components is that of the daemon: start it with `clock = \"ros\"`, \
+         `genomd --clock ros`, for the time of a simulator"
+    )]
+    OwnTime,
+    /// It is true, and no component can change that.
+    #[error(
+        "the clock of all components is that of the daemon: start it without `clock = \"ros\"`, \
+         `genomd --clock monotonic`, for the time of the machine"
+    )]
+    SimulatedTime,
     /// Several parameters in a request for setting them atomically.
     #[error("attributes are set one by one: use set_parameters")]
     Several,

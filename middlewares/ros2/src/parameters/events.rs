@@ -13,6 +13,11 @@ use crate::rmw::{EndError, Entities, TopicWriter};
 use crate::ros::Ros;
 use crate::typed;
 
+/// The type of the topic.
+pub(super) fn type_name() -> TypeName {
+    TypeName::new("rcl_interfaces", "msg", "ParameterEvent")
+}
+
 /// What one node tells.
 pub(super) struct Events {
     /// `/NAMESPACE/NODE`.
@@ -23,8 +28,7 @@ pub(super) struct Events {
 impl Events {
     /// `node` is the name of the node with its namespace.
     pub(super) fn open(ros: &Ros, node: &str) -> Result<Arc<Self>, EndError> {
-        let ty = TypeName::new("rcl_interfaces", "msg", "ParameterEvent");
-        let of = ros.of_ros("parameter_events".to_owned(), ty);
+        let of = ros.of_ros("parameter_events".to_owned(), type_name());
         let writer = ros.rmw.writer(node, &of, false)?;
         Ok(Arc::new(Self { node: format!("/{node}"), writer }))
     }

@@ -4,14 +4,18 @@
 //! one that takes such a value makes it settable: `get_speed(out velocity)` and `set_speed(in
 //! velocity)` are the parameter `velocity`. If unrelated attributes have members of the same name,
 //! these become separate parameters named `attribute.member`.
+//!
+//! Every node also has the parameter `use_sim_time`. A component whose attributes make one of that
+//! name means something by it, so that theirs is shown instead.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use genom_middleware::{ServiceHandler, ServiceType};
 use ros2_client::parameters::ParameterType;
 
+use super::clock::{self, Clock};
 use super::value::Shape;
 
 /// A served attribute that is suitable for a parameter.
@@ -46,21 +50,48 @@ impl Way {
     }
 }
 
-/// A parameter. At least one of `get` and `set` is present.
+/// Attributes of an instance, by name.
+pub(crate) type Attributes = Arc<Mutex<BTreeMap<String, Arc<Attribute>>>>;
+
+/// A parameter.
+#[derive(Clone)]
+pub(crate) enum Known {
+    /// One that attributes read and set.
+    Attributes(Pair),
+    /// `use_sim_time`.
+    Clock(Clock),
+}
+
+/// The attributes of a parameter, at least one.
 #[derive(Clone, Default)]
-pub(crate) struct Known {
+pub(crate) struct Pair {
     pub(crate) get: Option<(Arc<Attribute>, Shape)>,
     pub(crate) set: Option<(Arc<Attribute>, Shape)>,
+}
+
+/// None that there is.
+impl Default for Known {
+    fn default() -> Self {
+        Self::Attributes(Pair::default())
+    }
 }
 
 impl Known {
     /// The shape that it takes or, if read-only, that it returns.
     fn shape(&self) -> Option<&Shape> {
-        self.set.as_ref().or(self.get.as_ref()).map(|(_, shape)| shape)
+        match self {
+            Self::Attributes(Pair { get, set }) => {
+                set.as_ref().or(get.as_ref()).map(|(_, shape)| shape)
+            }
+            Self::Clock(_) => None,
+        }
     }
 
     pub(crate) fn ty(&self) -> ParameterType {
-        self.shape().map_or(ParameterType::NotSet, |shape| shape.ty)
+        match self {
+            Self::Attributes(_) => self.shape().map_or(ParameterType::NotSet, |shape| shape.ty),
+            Self::Clock(_) => ParameterType::Bool,
+        }
     }
 
     pub(crate) fn range(&self) -> Option<(i64, i64)> {
@@ -68,22 +99,38 @@ impl Known {
     }
 
     pub(crate) fn constraint(&self) -> &str {
-        self.shape().map_or("", |shape| &shape.constraint)
+        match self {
+            Self::Attributes(_) => self.shape().map_or("", |shape| &shape.constraint),
+            Self::Clock(_) => clock::CONSTRAINT,
+        }
+    }
+
+    /// Whether it keeps its value, whatever others ask for.
+    pub(crate) fn is_read_only(&self) -> bool {
+        match self {
+            Self::Attributes(Pair { set, .. }) => set.is_none(),
+            Self::Clock(_) => true,
+        }
     }
 
     /// How it is read and set, for users.
     pub(crate) fn description(&self) -> String {
+        let Self::Attributes(Pair { get, set }) = self else {
+            return clock::DESCRIPTION.to_owned();
+        };
         let mut out = String::new();
-        if let Some((attribute, _)) = &self.get {
+        if let Some((attribute, _)) = get {
             _ = write!(out, "read by attribute {}", attribute.name);
         }
-        if let Some((attribute, _)) = &self.set {
+        if let Some((attribute, _)) = set {
             let before = if out.is_empty() { "only " } else { ", " };
             _ = write!(out, "{before}set by attribute {}", attribute.name);
         }
         out
     }
+}
 
+impl Pair {
     fn add(&mut self, attribute: &Arc<Attribute>) {
         let with = |shape: &Shape| Some((Arc::clone(attribute), shape.clone()));
         match &attribute.way {
@@ -96,12 +143,13 @@ impl Known {
 /// All parameters, by name. The result does not depend on the order of the attributes.
 pub(crate) fn parameters<'a>(
     attributes: impl Iterator<Item = &'a Arc<Attribute>>,
+    simulated: bool,
 ) -> BTreeMap<String, Known> {
     let mut by_member: BTreeMap<&str, Vec<&Arc<Attribute>>> = BTreeMap::new();
     for attribute in attributes {
         by_member.entry(attribute.way.shape().name()).or_default().push(attribute);
     }
-    let mut all = BTreeMap::new();
+    let mut all = BTreeMap::<String, Pair>::new();
     for (member, attributes) in by_member {
         let belong = match attributes.as_slice() {
             [_] => true,
@@ -116,9 +164,13 @@ pub(crate) fn parameters<'a>(
                 true => member.to_owned(),
                 false => format!("{}.{member}", attribute.name),
             };
-            all.entry(name).or_insert_with(Known::default).add(attribute);
+            all.entry(name).or_default().add(attribute);
         }
     }
+    let own = Known::Clock(Clock { simulated });
+    let mut all: BTreeMap<_, _> =
+        all.into_iter().map(|(name, pair)| (name, Known::Attributes(pair))).collect();
+    all.entry(clock::NAME.to_owned()).or_insert(own);
     all
 }
 
@@ -157,8 +209,8 @@ mod tests {
     }
 
     fn described(attributes: &[Arc<Attribute>]) -> Vec<(String, String)> {
-        let forth = parameters(attributes.iter());
-        let back = parameters(attributes.iter().rev());
+        let forth = parameters(attributes.iter(), false);
+        let back = parameters(attributes.iter().rev(), false);
         let tell = |all: BTreeMap<String, Known>| {
             all.into_iter().map(|(name, one)| (name, one.description())).collect::<Vec<_>>()
         };
@@ -167,10 +219,23 @@ mod tests {
         told
     }
 
+    /// `expected` are those of attributes.
     #[track_caller]
     fn check(attributes: &[Arc<Attribute>], expected: &[(&str, &str)]) {
+        let mut told = described(attributes);
+        told.retain(|(_, description)| description != clock::DESCRIPTION);
         let owned = expected.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned()));
-        assert_eq!(described(attributes), owned.collect::<Vec<_>>());
+        assert_eq!(told, owned.collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn every_node_says_which_clock_it_has_unless_its_component_means_something_else_by_that() {
+        let told = described(&[attribute("get_mode", false, "mode", Kind::Boolean)]);
+        assert_eq!(told[1], ("use_sim_time".to_owned(), clock::DESCRIPTION.to_owned()));
+        assert_eq!(described(&[]).len(), 1);
+        let own = attribute("set_clock", true, "use_sim_time", Kind::Boolean);
+        let told = described(&[own]);
+        assert_eq!(told, [("use_sim_time".into(), "only set by attribute set_clock".into())]);
     }
 
     #[test]

@@ -10,7 +10,7 @@ use super::error::SetError;
 const DEEPEST: usize = 8;
 
 /// Name of a type in ROS.
-fn name_of(ty: Type) -> &'static str {
+pub(super) fn name_of(ty: Type) -> &'static str {
     match ty {
         Type::NotSet => "not set",
         Type::Bool => "bool",

@@ -42,7 +42,7 @@ fn a_component_its_ports_and_services_have_the_names_that_rules_give_them() {
     peer.ask(&json!(["service", format!("{arm}/set_speed"), "arm", "/base/one"]));
     peer.ask(&json!(["service", format!("{namespace}/right/set_speed"), "right", namespace]));
     peer.ask(&json!(["parameters", arm]));
-    assert_eq!(peer.ask(&json!(["list", arm]))["names"], json!(["velocity"]));
+    assert_eq!(peer.ask(&json!(["list", arm]))["names"], json!(["use_sim_time", "velocity"]));
     let go = format!("{arm}/go");
     peer.ask(&json!(["action", go, "demo/action/Goto"]));
     assert_eq!(peer.ask(&json!(["goal", go, {"goal": 0.01}])), true);

@@ -18,13 +18,18 @@ struct World {
 
 impl World {
     fn new() -> Self {
+        Self::with(&[])
+    }
+
+    fn with(options: &[&str]) -> Self {
         let home = Home::new();
         let memory = home.memory();
         let namespace = format!("/{}", memory.prefix().trim_end_matches('_'));
         let types = ros2::types(&repository().join("tests/fixtures/ros2/demo")).unwrap();
         let mut node = ros2::node(memory.domain(), Some(&types)).unwrap();
         let demo = component("demo");
-        let daemon = home.start(&["--backend", "ros2", path(&demo.library)]);
+        let daemon =
+            home.start(&[&["--backend", "ros2"], options, &[path(&demo.library)]].concat());
         Self { daemon, peer: Peer::start(&mut node), namespace }
     }
 }
@@ -51,7 +56,7 @@ fn a_ros_node_reads_calls_and_sets_the_demo() {
     // The same attribute as a parameter.
     let node = format!("{namespace}/demo");
     peer.ask(&json!(["parameters", node]));
-    assert_eq!(peer.ask(&json!(["list", node]))["names"], json!(["velocity"]));
+    assert_eq!(peer.ask(&json!(["list", node]))["names"], json!(["use_sim_time", "velocity"]));
     assert_eq!(peer.ask(&json!(["get", node, ["velocity"]])), json!([2.0]));
     let results = peer.ask(&json!(["set", node, [["velocity", 1.5], ["velocity", 9.0]]]));
     assert_eq!(results[0]["successful"], true);
@@ -76,6 +81,47 @@ fn a_ros_node_reads_calls_and_sets_the_demo() {
     daemon.ctl(&["start", "demo", "goto", "goal=1"]).expect_code(0);
     let echo = daemon.spawn(&["echo", "demo/parameter"]);
     echo.line_where(|line| line == "0.25");
+}
+
+/// All that a node says of a type, which it finds by hash if there is one, or else by name.
+fn described(peer: &mut Peer, node: &str, name: &str, hash: &str) -> Value {
+    let asked = json!({"type_name": name, "type_hash": hash, "include_type_sources": true});
+    let mut told = peer.ask(&json!(["call", format!("{node}/get_type_description"), asked]));
+    assert_eq!(told["successful"], true, "{name}: {told}");
+    // The comments differ, and in ROS's own types the rest of the text, too.
+    for source in told["type_sources"].as_array_mut().expect("texts") {
+        let text = source["raw_file_contents"].take();
+        if source["type_name"].as_str().is_some_and(|name| name.starts_with("demo/")) {
+            let lines = text.as_str().expect("a text").lines();
+            let lines = lines.map(|line| line.split('#').next().unwrap_or_default().trim_end());
+            let lines: Vec<_> = lines.filter(|line| !line.is_empty()).collect();
+            source["raw_file_contents"] = lines.into();
+        }
+    }
+    told
+}
+
+#[test]
+fn a_component_in_a_cell_describes_its_types_as_a_ros_node_that_has_them_in_its_packages() {
+    let World { daemon: _daemon, mut peer, namespace } = World::with(&["--isolated"]);
+    let name = |of: &str| format!("{namespace}/demo/{of}");
+    peer.ask(&json!(["read", name("position"), "demo/msg/State"]));
+    peer.ask(&json!(["client", name("set_speed"), "demo/srv/SetSpeed"]));
+    peer.ask(&json!(["action", name("goto"), "demo/action/Goto"]));
+    let ours = format!("{namespace}/demo");
+    for node in [&ours, "/peer"] {
+        let service = format!("{node}/get_type_description");
+        let ty = "type_description_interfaces/srv/GetTypeDescription";
+        peer.ask(&json!(["client", service, ty]));
+    }
+    for ty in ["demo/msg/State", "demo/srv/SetSpeed", "demo/action/Goto"] {
+        let mut told = described(&mut peer, &ours, ty, "");
+        let hash = told["extra_information"].take();
+        let hash = hash[0]["value"].as_str().expect("its hash");
+        let mut theirs = described(&mut peer, "/peer", ty, hash);
+        assert_eq!(theirs["extra_information"].take(), json!([]));
+        assert_eq!(told, theirs, "{ty}");
+    }
 }
 
 #[test]

@@ -34,6 +34,19 @@ fn date(sec: i64, nanosec: u64) -> Value {
     json!(["put", "/clock", {"clock": {"sec": sec, "nanosec": nanosec}}])
 }
 
+/// The node of the demo says so when it is asked, and when it is to be another time.
+fn says_that_its_time_is_simulated(daemon: &Daemon, peer: &mut Peer) {
+    let namespace = daemon.home().memory().prefix().trim_end_matches('_').to_owned();
+    let node = format!("/{namespace}/demo");
+    peer.ask(&json!(["parameters", node]));
+    assert_eq!(peer.ask(&json!(["get", node, ["use_sim_time"]])), json!([true]));
+    let wanted = json!([["use_sim_time", true], ["use_sim_time", false]]);
+    let results = peer.ask(&json!(["set", node, wanted]));
+    assert_eq!(results[0]["successful"], true);
+    let why = results[1]["reason"].as_str().expect("a reason");
+    assert!(why.contains("`genomd --clock monotonic`"), "{why}");
+}
+
 /// A daemon with the demo, and a node of ROS that publishes `/clock`.
 struct World {
     daemon: Daemon,
@@ -96,6 +109,15 @@ fn components_in_cells_live_in_that_time_too() {
     world.reaches(0, 500_000_000, 500_000_000);
     // Its period is 5 ms.
     assert_eq!(passes(&world.daemon) - before, 100);
+}
+
+#[test]
+fn nodes_say_in_use_sim_time_that_their_time_is_simulated_in_cells_and_without_gateways_too() {
+    for options in [&[][..], &["--isolated"], &["--isolated", "--set", "gateways.of=[]"]] {
+        let options = [&["--backend", "ros2"], options].concat();
+        let World { daemon, mut peer } = World::new(&options);
+        says_that_its_time_is_simulated(&daemon, &mut peer);
+    }
 }
 
 #[test]

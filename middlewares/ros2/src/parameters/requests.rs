@@ -1,7 +1,7 @@
-//! The parameter services of one node.
+//! Requests to the parameter services of a node.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::Arc;
 
 use genom_middleware::Outcome;
 use genom_types::Record;
@@ -13,114 +13,65 @@ use ros2_client::rcl_interfaces::{
     ListParametersResponse, ListParametersResult, SetParametersAtomicallyResponse,
     SetParametersRequest, SetParametersResponse,
 };
-use serde::Serialize;
 
 use super::error::SetError;
 use super::events::Events;
 use super::gather::Gather;
-use super::table::{Attribute, Known, parameters};
+use super::table::{Attributes, Known, Pair, parameters};
 use crate::lock::lock;
-use crate::names::TypeName;
-use crate::rmw::{self, EndError, ServerEnd};
-use crate::ros::Ros;
+use crate::own_services::{OwnService, Reply, answer};
 use crate::typed;
 
-/// Attributes of an instance, by name.
-pub(crate) type Attributes = Arc<Mutex<BTreeMap<String, Arc<Attribute>>>>;
-
-/// One of the parameter services.
-pub(crate) struct Service {
-    pub(crate) name: &'static str,
-    /// Name of its type in `rcl_interfaces/srv`.
-    ty: &'static str,
-    /// Decodes a request and arranges for the reply; `None` if it cannot be decoded.
-    serve: fn(&Node, Reply, &[u8]) -> Option<()>,
+/// The parameters of one node.
+pub(crate) struct Parameters {
+    pub(super) events: Arc<Events>,
+    pub(super) attributes: Attributes,
+    /// Whether the time of components is that of a simulator.
+    pub(super) simulated: bool,
 }
 
-/// All parameter services, in the order of [`Node`]'s ends.
-pub(crate) const SERVICES: [Service; 6] = [
-    Service { name: "describe_parameters", ty: "DescribeParameters", serve: describe },
-    Service { name: "get_parameter_types", ty: "GetParameterTypes", serve: types },
-    Service { name: "get_parameters", ty: "GetParameters", serve: get },
-    Service { name: "list_parameters", ty: "ListParameters", serve: list },
-    Service { name: "set_parameters", ty: "SetParameters", serve: set },
-    Service { name: "set_parameters_atomically", ty: "SetParametersAtomically", serve: set_one },
+const PACKAGE: &str = "rcl_interfaces";
+
+/// All parameter services.
+pub(crate) const SERVICES: [OwnService<Parameters>; 6] = [
+    OwnService {
+        name: "describe_parameters",
+        ty: (PACKAGE, "DescribeParameters"),
+        serve: describe,
+    },
+    OwnService { name: "get_parameter_types", ty: (PACKAGE, "GetParameterTypes"), serve: types },
+    OwnService { name: "get_parameters", ty: (PACKAGE, "GetParameters"), serve: get },
+    OwnService { name: "list_parameters", ty: (PACKAGE, "ListParameters"), serve: list },
+    OwnService { name: "set_parameters", ty: (PACKAGE, "SetParameters"), serve: set },
+    OwnService {
+        name: "set_parameters_atomically",
+        ty: (PACKAGE, "SetParametersAtomically"),
+        serve: set_one,
+    },
 ];
 
-/// The services of one node. Fields are dropped in order.
-pub(crate) struct Node {
-    events: Arc<Events>,
-    ends: OnceLock<Vec<Box<dyn ServerEnd>>>,
-    belonging: OnceLock<Box<dyn Send + Sync>>,
-    attributes: Attributes,
-}
-
-type Reply = Box<dyn rmw::Reply>;
-
-impl Node {
-    /// `node_name` has the namespace in front.
-    pub(crate) fn open(
-        ros: &Ros,
-        node_name: &str,
-        attributes: Attributes,
-    ) -> Result<Arc<Self>, EndError> {
-        let events = Events::open(ros, node_name)?;
-        let mut entities = events.entities();
-        let (ends, belonging) = (OnceLock::new(), OnceLock::new());
-        let node = Arc::new(Self { events, ends, belonging, attributes });
-        let mut made = Vec::with_capacity(SERVICES.len());
-        for service in &SERVICES {
-            let ty = TypeName::new("rcl_interfaces", "srv", service.ty);
-            let of = ros.of_ros(format!("{node_name}/{}", service.name), ty);
-            let weak = Arc::downgrade(&node);
-            let on_request = move |reply, message: &[u8]| {
-                let Some(node) = weak.upgrade() else { return };
-                if (service.serve)(&node, reply, message).is_none() {
-                    tracing::warn!("a request of {} cannot be read; it is left out", service.ty);
-                }
-            };
-            made.push(ros.rmw.server(node_name, &of, Box::new(on_request))?);
-        }
-        for one in made.iter().map(|end| end.entities()) {
-            entities.writers.extend(one.writers);
-            entities.readers.extend(one.readers);
-        }
-        // Cannot fail: nobody else has the node yet.
-        let _ = node.ends.set(made);
-        let _ = node.belonging.set(ros.rmw.belong(node_name, entities));
-        Ok(node)
-    }
-
-    fn parameters(&self) -> BTreeMap<String, Known> {
-        parameters(lock(&self.attributes).values())
-    }
-}
-
-/// Sends a reply.
-fn answer(reply: Reply, response: &impl Serialize) {
-    // None of them can fail to be encoded: they consist of texts and numbers.
-    if let Some(body) = typed::encode(response) {
-        reply.send(body);
-    }
-}
-
-impl Drop for Node {
-    fn drop(&mut self) {
-        self.ends.get().into_iter().flatten().for_each(|end| end.flush());
+impl Parameters {
+    fn all(&self) -> BTreeMap<String, Known> {
+        parameters(lock(&self.attributes).values(), self.simulated)
     }
 }
 
 /// `GetParameters`.
-fn get(node: &Node, reply: Reply, message: &[u8]) -> Option<()> {
+fn get(node: &Parameters, reply: Reply, message: &[u8]) -> Option<()> {
     let names = typed::decode::<GetParametersRequest>(message)?.names;
-    let all = node.parameters();
+    let all = node.all();
     let gather = Gather::new(vec![Value::NotSet; names.len()], move |values: Vec<Value>| {
         let values = values.into_iter().map(Into::into).collect();
         answer(reply, &GetParametersResponse { values });
     });
     for (place, name) in names.iter().enumerate() {
-        let Some((attribute, shape)) = all.get(name).and_then(|known| known.get.clone()) else {
-            continue;
+        let (attribute, shape) = match all.get(name) {
+            Some(Known::Clock(clock)) => {
+                gather.put(place, clock.value());
+                continue;
+            }
+            Some(Known::Attributes(Pair { get: Some(getter), .. })) => getter.clone(),
+            Some(Known::Attributes(_)) | None => continue,
         };
         let told = move |outcome: Outcome| match outcome {
             Outcome::Success(output) => shape.value(&output.to_json()).unwrap_or(Value::NotSet),
@@ -141,8 +92,12 @@ fn result(set: &Set) -> SetParametersResult {
 }
 
 /// Sets several parameters, one after the other, and tells all who listen which ones were set.
-fn set_all(node: &Node, wanted: Vec<raw::Parameter>, then: impl FnOnce(Vec<Set>) + Send + 'static) {
-    let all = node.parameters();
+fn set_all(
+    node: &Parameters,
+    wanted: Vec<raw::Parameter>,
+    then: impl FnOnce(Vec<Set>) + Send + 'static,
+) {
+    let all = node.all();
     let given_up = wanted.iter().map(|_| Err(SetError::Gone)).collect();
     let values: Vec<_> = wanted.iter().cloned().map(Parameter::from).collect();
     let events = Arc::clone(&node.events);
@@ -152,21 +107,28 @@ fn set_all(node: &Node, wanted: Vec<raw::Parameter>, then: impl FnOnce(Vec<Set>)
         then(results);
     });
     for (place, Parameter { name, value }) in values.iter().enumerate() {
-        let input = match all.get(name) {
-            None => Err(SetError::Unknown(name.clone())),
-            Some(Known { set: None, .. }) => Err(SetError::ReadOnly(name.clone())),
-            Some(Known { set: Some((attribute, shape)), .. }) => {
-                shape.json(value).and_then(|json| {
-                    let mut input = Record::new(&attribute.ty.input);
-                    input.merge_json(&json)?;
-                    Ok((attribute, input))
-                })
+        let (attribute, shape) = match all.get(name) {
+            Some(Known::Attributes(Pair { set: Some(setter), .. })) => setter,
+            Some(Known::Attributes(_)) => {
+                gather.put(place, Err(SetError::ReadOnly(name.clone())));
+                continue;
+            }
+            Some(Known::Clock(clock)) => {
+                gather.put(place, clock.set(value));
+                continue;
+            }
+            None => {
+                gather.put(place, Err(SetError::Unknown(name.clone())));
+                continue;
             }
         };
+        let input = shape.json(value).and_then(|json| {
+            let mut input = Record::new(&attribute.ty.input);
+            input.merge_json(&json)?;
+            Ok(input)
+        });
         match input {
-            Ok((attribute, input)) => {
-                attribute.handler.request(input, gather.place(place, outcome_of_set));
-            }
+            Ok(input) => attribute.handler.request(input, gather.place(place, outcome_of_set)),
             Err(why) => gather.put(place, Err(why)),
         }
     }
@@ -188,7 +150,7 @@ fn wanted(message: &[u8]) -> Option<Vec<raw::Parameter>> {
 }
 
 /// `SetParameters`.
-fn set(node: &Node, reply: Reply, message: &[u8]) -> Option<()> {
+fn set(node: &Parameters, reply: Reply, message: &[u8]) -> Option<()> {
     set_all(node, wanted(message)?, move |results| {
         answer(reply, &SetParametersResponse { results: results.iter().map(result).collect() });
     });
@@ -197,7 +159,7 @@ fn set(node: &Node, reply: Reply, message: &[u8]) -> Option<()> {
 
 /// `SetParametersAtomically`. Attributes are set one by one, so only a single one can be set
 /// atomically.
-fn set_one(node: &Node, reply: Reply, message: &[u8]) -> Option<()> {
+fn set_one(node: &Parameters, reply: Reply, message: &[u8]) -> Option<()> {
     let wanted = wanted(message)?;
     let told = move |set: Set| {
         answer(reply, &SetParametersAtomicallyResponse { result: result(&set) });
@@ -211,18 +173,18 @@ fn set_one(node: &Node, reply: Reply, message: &[u8]) -> Option<()> {
 }
 
 /// `GetParameterTypes`.
-fn types(node: &Node, reply: Reply, message: &[u8]) -> Option<()> {
+fn types(node: &Parameters, reply: Reply, message: &[u8]) -> Option<()> {
     let names = typed::decode::<GetParameterTypesRequest>(message)?.names;
-    let all = node.parameters();
+    let all = node.all();
     let ty = |name| all.get(name).map_or(ParameterType::NotSet, Known::ty) as u8;
     answer(reply, &GetParameterTypesResponse { values: names.iter().map(ty).collect() });
     Some(())
 }
 
 /// `DescribeParameters`.
-fn describe(node: &Node, reply: Reply, message: &[u8]) -> Option<()> {
+fn describe(node: &Parameters, reply: Reply, message: &[u8]) -> Option<()> {
     let names = typed::decode::<DescribeParametersRequest>(message)?.names;
-    let all = node.parameters();
+    let all = node.all();
     let values = names.into_iter().map(|name| described(all.get_key_value(&name))).collect();
     answer(reply, &DescribeParametersResponse { values });
     Some(())
@@ -230,15 +192,15 @@ fn describe(node: &Node, reply: Reply, message: &[u8]) -> Option<()> {
 
 /// One that is not known is described without a name.
 fn described(known: Option<(&String, &Known)>) -> ParameterDescriptor {
-    let (name, known) =
-        known.map_or_else(Default::default, |(name, known)| (name.clone(), known.clone()));
+    let name = known.map_or_else(String::new, |(name, _)| name.clone());
+    let known = known.map_or_else(Known::default, |(_, known)| known.clone());
     let range = |(from_value, to_value)| IntegerRange { from_value, to_value, step: 1 };
     ParameterDescriptor {
         name,
         r#type: known.ty() as u8,
         description: known.description(),
         additional_constraints: known.constraint().to_owned(),
-        read_only: known.set.is_none(),
+        read_only: known.is_read_only(),
         dynamic_typing: false,
         floating_point_range: Vec::new(),
         integer_range: known.range().map(range).into_iter().collect(),
@@ -246,9 +208,9 @@ fn described(known: Option<(&String, &Known)>) -> ParameterDescriptor {
 }
 
 /// `ListParameters`.
-fn list(node: &Node, reply: Reply, message: &[u8]) -> Option<()> {
+fn list(node: &Parameters, reply: Reply, message: &[u8]) -> Option<()> {
     let ListParametersRequest { prefixes, depth } = typed::decode(message)?;
-    let (names, prefixes) = listed(node.parameters().into_keys(), &prefixes, depth);
+    let (names, prefixes) = listed(node.all().into_keys(), &prefixes, depth);
     answer(reply, &ListParametersResponse { result: ListParametersResult { names, prefixes } });
     Some(())
 }
