@@ -18,6 +18,7 @@ use crate::process::{Process, left};
 use crate::remains;
 use crate::round::Round;
 use crate::setup::Setup;
+use crate::wants::Wants;
 
 /// A cell could not be begun, or a component not be loaded into it.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -33,9 +34,12 @@ pub enum OpenError {
         /// Where it runs.
         place: String,
     },
-    /// What it needs of the daemon's own components.
+    /// What it needs of components of other processes.
     #[error("{0}")]
     Share(String),
+    /// The middleware that was asked for.
+    #[error("{0}")]
+    Over(String),
     /// Its process.
     #[error(transparent)]
     Down(#[from] Down),
@@ -52,6 +56,8 @@ pub struct Cells {
     bell: Mutex<Option<Bell>>,
     /// Locked while a deployment is applied; then what it did.
     last_round: tokio::sync::Mutex<Option<Round>>,
+    /// What connections need of other processes; locked while one is made or ends.
+    wants: tokio::sync::Mutex<Wants>,
 }
 
 impl std::fmt::Debug for Cells {
@@ -70,6 +76,7 @@ impl Cells {
             all: Mutex::default(),
             bell: Mutex::default(),
             last_round: Default::default(),
+            wants: Default::default(),
         }
     }
 
@@ -123,6 +130,10 @@ impl Cells {
 
     pub(crate) fn last_round(&self) -> &tokio::sync::Mutex<Option<Round>> {
         &self.last_round
+    }
+
+    pub(crate) fn wants(&self) -> &tokio::sync::Mutex<Wants> {
+        &self.wants
     }
 
     pub(crate) fn bell(&self) -> &Mutex<Option<Bell>> {

@@ -56,6 +56,36 @@ impl Cells {
             round.loaded = loading
                 .map_err(|(request, why)| DeployError::Load(Box::new(request.clone()), why))?;
         }
+        let deployed = |name: &str| whole.component.iter().any(|one| one.instance() == name);
+        let opened = match wanted.dry_run {
+            true => Ok(Vec::new()),
+            false => self.open_for(supervisor, &whole.connection, &deployed).await,
+        };
+        let opened = match opened {
+            Ok(opened) => opened,
+            Err(why) => {
+                self.take_out(&round.loaded).await;
+                return Err(DeployError::Cell { why, left: Vec::new() });
+            }
+        };
+        let applied = self.deploy_parts(supervisor, whole, wanted, own, round).await;
+        self.opened_for(supervisor, &opened).await;
+        let (applied, round) = applied?;
+        if !wanted.dry_run {
+            *last = Some(round);
+        }
+        Ok(applied)
+    }
+
+    /// The parts of all processes, when what is missing in cells was loaded.
+    async fn deploy_parts<E: Send + 'static>(
+        self: &Arc<Self>,
+        supervisor: &Arc<Supervisor>,
+        whole: &Deployment,
+        wanted: &DeploymentRequest,
+        own: impl FnOnce() -> Result<(Applied, Option<Done>), E> + Send + 'static,
+        mut round: Round,
+    ) -> Result<(Applied, Round), DeployError<E>> {
         let own = spawn_blocking(own).await.map_err(DeployError::from);
         let mut all = match own.and_then(|done| done.map_err(DeployError::Own)) {
             Ok((applied, done)) => {
@@ -80,10 +110,7 @@ impl Cells {
             all.steps.extend(theirs.steps);
             all.beside.extend(theirs.beside);
         }
-        if !wanted.dry_run {
-            *last = Some(round);
-        }
-        Ok(all)
+        Ok((all, round))
     }
 
     /// Undoes what the last deployment did in all processes. Returns what could not be undone;
@@ -175,6 +202,8 @@ impl Cells {
         whole: &Deployment,
         wanted: &DeploymentRequest,
     ) -> Result<Vec<Applied>, OpenError> {
+        let deployed = |name: &str| whole.component.iter().any(|one| one.instance() == name);
+        self.open_for(supervisor, &whole.connection, &deployed).await?;
         self.apply_each(supervisor, whole, wanted, &mut Vec::new()).await
     }
 
@@ -187,7 +216,7 @@ impl Cells {
         done: &mut Vec<Arc<Cell>>,
     ) -> Result<Vec<Applied>, OpenError> {
         let theirs = whole.connection.iter().filter(|entry| self.of(entry.reader()).is_some());
-        let theirs = theirs.filter(|entry| entry.backend.is_none());
+        let theirs = theirs.filter(|entry| entry.over.is_none());
         share(supervisor, theirs.map(|entry| entry.outport.clone()).collect()).await?;
         let mut all = Vec::new();
         for cell in self.all() {

@@ -28,6 +28,7 @@ mod gateway;
 pub mod journal;
 pub mod kept;
 pub mod merge;
+mod over;
 pub mod own;
 pub mod place;
 pub mod policy;
@@ -45,6 +46,7 @@ mod thaw;
 mod theirs;
 mod unload;
 mod unmatched;
+mod wants;
 mod wire;
 
 pub use blackbox::{BlackBoxes, Lease, SaveError};

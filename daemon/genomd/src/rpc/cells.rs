@@ -168,6 +168,7 @@ pub(super) fn down(error: &Down) -> RpcError {
 pub(super) fn refused(error: OpenError) -> RpcError {
     match error {
         OpenError::Place(error) => RpcError::bad_input(error.to_string()).place("/cell"),
+        OpenError::Over(error) => RpcError::bad_input(error).place("/over"),
         OpenError::Elsewhere { .. } => RpcError::conflict(Code::NoPlan, error.to_string()),
         OpenError::Share(error) => {
             RpcError::new(StatusCode::BAD_GATEWAY, Code::MiddlewareFailed, error).place("/out")

@@ -39,7 +39,9 @@ pub(crate) async fn list(
 
 /// Connect an in port to an out port, or a remote to a service.
 ///
-/// A policy must not be given for a remote. The other side may belong to another daemon.
+/// A policy must not be given for a remote. The other side may belong to another daemon. An out port
+/// of this one that is not on the middleware `over` is opened there, and closed again with the last
+/// connection over it.
 #[utoipa::path(
     post,
     path = "/connections",
@@ -69,16 +71,22 @@ pub(crate) async fn connect(
         inport: wanted.inport,
         kind: None,
         outport: wanted.outport,
-        backend: wanted.backend,
+        over: wanted.over,
         wait: wanted.wait,
         patience: Patience::Full,
     };
-    let work = move || supervisor.connections.connect(&wanted);
-    match tokio::task::spawn_blocking(work).await {
-        Ok(Ok(connection)) => Ok((StatusCode::CREATED, Json(told(&connection)))),
-        Ok(Err(error)) => Err(refused(&error)),
-        Err(error) => Err(RpcError::internal(error.to_string())),
-    }
+    let (worker, asked) = (Arc::clone(&supervisor), wanted.clone());
+    let making = async {
+        let work = move || worker.connections.connect(&asked);
+        match tokio::task::spawn_blocking(work).await {
+            Ok(Ok(connection)) => Ok((StatusCode::CREATED, Json(told(&connection)))),
+            Ok(Err(error)) => Err(refused(&error)),
+            Err(error) => Err(RpcError::internal(error.to_string())),
+        }
+    };
+    // The out port may be in a cell.
+    let ends = (wanted.inport.as_str(), wanted.outport.as_str(), wanted.over.as_deref());
+    cells.connect_over(&supervisor, ends, making).await.map_err(rpc::cells::refused)?
 }
 
 /// Disconnect an in port or a remote.
@@ -92,9 +100,10 @@ pub(crate) async fn connect(
 )]
 pub(crate) async fn disconnect(
     State(supervisor): State<Arc<Supervisor>>,
+    State(cells): State<Arc<Cells>>,
     Path((component, port)): Path<(String, String)>,
 ) -> Result<Json<Disconnected>, RpcError> {
-    take_away(supervisor, component, port, None).await
+    take_away(supervisor, cells, component, port, None).await
 }
 
 /// Disconnect an element of a multiple in port.
@@ -108,13 +117,15 @@ pub(crate) async fn disconnect(
 )]
 pub(crate) async fn disconnect_element(
     State(supervisor): State<Arc<Supervisor>>,
+    State(cells): State<Arc<Cells>>,
     Path((component, port, element)): Path<(String, String, String)>,
 ) -> Result<Json<Disconnected>, RpcError> {
-    take_away(supervisor, component, port, Some(element)).await
+    take_away(supervisor, cells, component, port, Some(element)).await
 }
 
 async fn take_away(
     supervisor: Arc<Supervisor>,
+    cells: Arc<Cells>,
     component: String,
     port: String,
     element: Option<String>,
@@ -125,10 +136,13 @@ async fn take_away(
         ports::find(&hosted, &port)?;
     }
     let address = hosted.address(&port, element.as_deref()).to_string();
-    let inport = address.clone();
-    let work = tokio::task::spawn_blocking(move || supervisor.connections.disconnect(&inport));
+    let (worker, inport) = (Arc::clone(&supervisor), address.clone());
+    let work = tokio::task::spawn_blocking(move || worker.connections.disconnect(&inport));
     match work.await {
-        Ok(Ok(true)) => Ok(Json(Disconnected { disconnected: address })),
+        Ok(Ok(true)) => {
+            cells.disconnected(&supervisor, &address).await;
+            Ok(Json(Disconnected { disconnected: address }))
+        }
         // Nor can anything else of that name be connected.
         Ok(Ok(false) | Err(ConnectError::NoSuchInport { .. })) => {
             Err(RpcError::conflict(Code::NotConnected, format!("{address} is not connected")))
@@ -147,19 +161,20 @@ fn told(connection: &Connection) -> Made {
         inport: connection.inport().to_string(),
         outport: connection.outport().to_string(),
         backend: connection.backend().map(str::to_owned),
+        fixed: connection.fixed(),
         policy: connection.policy().map(|policy| terms::told_policy(policy).to_string()),
     }
 }
 
-fn refused(error: &ConnectError) -> RpcError {
+pub(super) fn refused(error: &ConnectError) -> RpcError {
     let (status, place) = match error {
         ConnectError::HeldUp(error) => return held_up(error),
         ConnectError::NoSuchInport { .. } => (StatusCode::NOT_FOUND, "/in"),
         ConnectError::NoSuchOutport { .. } => (StatusCode::NOT_FOUND, "/out"),
         ConnectError::Type { .. } => (StatusCode::CONFLICT, "/out"),
-        ConnectError::Backend(_) => (StatusCode::UNPROCESSABLE_ENTITY, "/backend"),
+        ConnectError::Backend(_) => (StatusCode::UNPROCESSABLE_ENTITY, "/over"),
         ConnectError::Policy { .. } => (StatusCode::UNPROCESSABLE_ENTITY, "/policy"),
-        ConnectError::Failed(_) => (StatusCode::BAD_GATEWAY, "/out"),
+        ConnectError::Failed(_) | ConnectError::End { .. } => (StatusCode::BAD_GATEWAY, "/out"),
     };
     let refused = RpcError::new(status, error.code(), error.message()).place(place);
     match error.help() {

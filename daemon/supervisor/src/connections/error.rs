@@ -5,6 +5,8 @@ use genom_protocol::Code;
 use genom_registry::BackendError;
 use genom_runtime::HeldUp;
 
+use super::opening::BindError;
+
 /// Kind of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -59,6 +61,16 @@ pub enum ConnectError {
     /// The middleware reported an error.
     #[error(transparent)]
     Failed(Box<OpenError>),
+    /// The out port cannot be opened on the middleware that was asked for.
+    #[error("{outport} cannot be opened on {over}: {source}")]
+    End {
+        /// The out port.
+        outport: String,
+        /// Name of the middleware.
+        over: String,
+        /// Why.
+        source: Box<BindError>,
+    },
     /// A codel of the reader or caller does not return.
     #[error(transparent)]
     HeldUp(#[from] HeldUp),
@@ -97,7 +109,7 @@ impl ConnectError {
             ConnectError::NoSuchOutport { kind, .. } => kind.no_such_outport(),
             ConnectError::Type { .. } => Code::TypeMismatch,
             ConnectError::Policy { .. } | ConnectError::Backend(_) => Code::BadInput,
-            ConnectError::Failed(_) => Code::MiddlewareFailed,
+            ConnectError::Failed(_) | ConnectError::End { .. } => Code::MiddlewareFailed,
             ConnectError::HeldUp(_) => Code::HeldUp,
         }
     }
@@ -109,9 +121,10 @@ impl ConnectError {
             ConnectError::NoSuchInport { .. } | ConnectError::HeldUp(_) => "in",
             ConnectError::NoSuchOutport { .. }
             | ConnectError::Type { .. }
-            | ConnectError::Failed(_) => "out",
+            | ConnectError::Failed(_)
+            | ConnectError::End { .. } => "out",
             ConnectError::Policy { .. } => "policy",
-            ConnectError::Backend(_) => "backend",
+            ConnectError::Backend(_) => "over",
         }
     }
 

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use genom_configuration::BackendNames;
 use genom_description::model::PortIx;
 use genom_middleware::{Address, EndpointKind, OpenError, PortSpec, Publisher, Subscription};
-use genom_ports::{Fan, PortKey, Tap};
+use genom_ports::{Ends, Fan, PortKey, Tap};
 use genom_runtime::HeldUp;
 
 use super::core::{Connections, Patience, Wanted};
@@ -23,11 +23,13 @@ use crate::ties::{PortConnection, ServiceConnection};
 use genom_bus::Change;
 
 /// The new publishers of an out port, not in use yet.
-struct NewEnds {
+pub(super) struct NewEnds {
     key: PortKey,
     fan: Fan,
     opened: BTreeMap<String, Box<dyn Publisher>>,
     last: LastValue,
+    /// Middlewares that connections need it on, beyond those it moves to.
+    lent: Vec<String>,
 }
 
 impl NewEnds {
@@ -45,11 +47,13 @@ impl NewEnds {
 
     /// Replaces the publishers, with all codels excluded. Returns the old ones, to be dropped
     /// later.
-    fn exchange(mut self, hosted: &Hosted, to: &BackendNames) -> Vec<(String, Box<dyn Publisher>)> {
+    pub(super) fn exchange(mut self, hosted: &Hosted, to: &BackendNames) -> Ends {
         // A codel may have written since the last value was read.
         if !self.opened.is_empty() && self.last.renew(hosted, &self.key, &self.fan) {
             self.offer(hosted);
         }
+        hosted.ties.lend(&self.key, self.lent.clone());
+        let to = to.clone().with(&self.lent);
         self.fan.exchange(|ends| {
             let mut all: BTreeMap<String, _> = ends.drain(..).collect();
             all.append(&mut self.opened);
@@ -140,7 +144,7 @@ impl Connections {
     }
 
     /// New publishers for the middlewares that the out port is not on yet, with its last value.
-    fn new_ends(
+    pub(super) fn new_ends(
         &self,
         hosted: &Hosted,
         key: PortKey,
@@ -149,8 +153,8 @@ impl Connections {
     ) -> Result<Option<NewEnds>, BindError> {
         let Some(ty) = hosted.port_type(key.port) else { return Ok(None) };
         let (address, quality) = (hosted.port_address(&key), hosted.quality(&key));
-        let mut opened = BTreeMap::new();
-        for name in added(&hosted.backends_of(&key), to) {
+        let (mut opened, present) = (BTreeMap::new(), hosted.backends_of(&key));
+        for name in added(&present, to) {
             let on = BackendNames::one(name);
             opened.extend(self.opening.ends(&on, &address, ty, quality)?);
         }
@@ -159,7 +163,9 @@ impl Connections {
         } else {
             self.last_value(hosted, &key, &fan, ty)
         };
-        let mut new = NewEnds { key, fan, opened, last };
+        let mut lent = self.opening.needs.of(&address);
+        lent.retain(|name| present.has(name) && !to.has(name));
+        let mut new = NewEnds { key, fan, opened, last, lent };
         new.offer(hosted);
         Ok(Some(new))
     }
@@ -263,7 +269,7 @@ impl Connections {
                 kind: Some(Kind::Service),
                 outport: service.to_string(),
                 policy: None,
-                backend: None,
+                over: None,
                 wait: false,
                 patience: Patience::None,
             };
