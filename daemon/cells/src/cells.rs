@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use genom_protocol::{Component, CrashReport, Crashes, LoadRequest, Unloaded, routes};
+use genom_supervisor::connections::ConnectError;
 use genom_supervisor::loading::names_script;
 use rustix::process::Signal;
 use tokio::task::JoinSet;
@@ -37,9 +38,9 @@ pub enum OpenError {
     /// What it needs of components of other processes.
     #[error("{0}")]
     Share(String),
-    /// The middleware that was asked for.
-    #[error("{0}")]
-    Over(String),
+    /// An out port of this process is not to be had on the middleware that was asked for.
+    #[error("{}", .0.sentence())]
+    End(Arc<ConnectError>),
     /// Its process.
     #[error(transparent)]
     Down(#[from] Down),
@@ -56,8 +57,8 @@ pub struct Cells {
     bell: Mutex<Option<Bell>>,
     /// Locked while a deployment is applied; then what it did.
     last_round: tokio::sync::Mutex<Option<Round>>,
-    /// What connections need of other processes; locked while one is made or ends.
-    wants: tokio::sync::Mutex<Wants>,
+    /// What connections need of other processes.
+    wants: Arc<Wants>,
 }
 
 impl std::fmt::Debug for Cells {
@@ -132,7 +133,7 @@ impl Cells {
         &self.last_round
     }
 
-    pub(crate) fn wants(&self) -> &tokio::sync::Mutex<Wants> {
+    pub(crate) fn wants(&self) -> &Arc<Wants> {
         &self.wants
     }
 
@@ -331,6 +332,7 @@ impl Cells {
         }
         for cell in self.all() {
             let _ = cell.begun().await;
+            self.adopt_ends(&cell);
         }
     }
 

@@ -50,30 +50,26 @@ impl Cells {
     ) -> Result<Applied, DeployError<E>> {
         let mut last = self.last_round().lock().await;
         let mut round = Round::default();
-        if !wanted.dry_run {
-            *last = None;
-            let loading = self.load_missing(supervisor, whole).await;
-            round.loaded = loading
-                .map_err(|(request, why)| DeployError::Load(Box::new(request.clone()), why))?;
+        if wanted.dry_run {
+            let parts = self.deploy_parts(supervisor, whole, wanted, own, round).await;
+            return parts.map(|(applied, _)| applied);
         }
-        let deployed = |name: &str| whole.component.iter().any(|one| one.instance() == name);
-        let opened = match wanted.dry_run {
-            true => Ok(Vec::new()),
-            false => self.open_for(supervisor, &whole.connection, &deployed).await,
-        };
-        let opened = match opened {
-            Ok(opened) => opened,
+        *last = None;
+        let loading = self.load_missing(supervisor, whole).await;
+        round.loaded =
+            loading.map_err(|(request, why)| DeployError::Load(Box::new(request.clone()), why))?;
+        round.needed = self.wants().all_made();
+        let asked = match self.open_for(supervisor, whole).await {
+            Ok(asked) => asked,
             Err(why) => {
                 self.take_out(&round.loaded).await;
                 return Err(DeployError::Cell { why, left: Vec::new() });
             }
         };
         let applied = self.deploy_parts(supervisor, whole, wanted, own, round).await;
-        self.opened_for(supervisor, &opened).await;
+        self.opened_for(supervisor, asked).await;
         let (applied, round) = applied?;
-        if !wanted.dry_run {
-            *last = Some(round);
-        }
+        *last = Some(round);
         Ok(applied)
     }
 
@@ -116,8 +112,11 @@ impl Cells {
     /// Undoes what the last deployment did in all processes. Returns what could not be undone;
     /// `None` if there is no deployment to undo.
     pub async fn take_back(&self, supervisor: &Arc<Supervisor>) -> Option<Vec<String>> {
-        let round = self.last_round().lock().await.take()?;
-        Some(self.undo(supervisor, round).await)
+        let mut round = self.last_round().lock().await.take()?;
+        let asked = self.open_again(supervisor, std::mem::take(&mut round.needed)).await;
+        let left = self.undo(supervisor, round).await;
+        self.opened_for(supervisor, asked).await;
+        Some(left)
     }
 
     /// Undoes a round, the last part first. Returns what could not be undone.
@@ -202,8 +201,6 @@ impl Cells {
         whole: &Deployment,
         wanted: &DeploymentRequest,
     ) -> Result<Vec<Applied>, OpenError> {
-        let deployed = |name: &str| whole.component.iter().any(|one| one.instance() == name);
-        self.open_for(supervisor, &whole.connection, &deployed).await?;
         self.apply_each(supervisor, whole, wanted, &mut Vec::new()).await
     }
 

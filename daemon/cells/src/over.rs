@@ -1,31 +1,28 @@
 //! Connections between processes of one daemon over a middleware that somebody asked for: the out
 //! port is opened there, in whatever process its component is, as long as such a connection lasts.
 //!
-//! The daemon counts these connections, and tells each process which of its out ports are needed
-//! where. It does so again when a component is loaded into a cell, also after a crash.
+//! The daemon counts these connections ([`Wants`]), and tells each process which of its out ports
+//! are needed where. It does so again when a component is loaded, or its process is another one.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{Arc, Weak};
-use std::time::Duration;
+use std::sync::Arc;
 
+use genom_configuration::Deployment;
 use genom_protocol::{BackendNames, ConnectionEntry, NeededEnds, routes};
 use genom_supervisor::Supervisor;
-use genom_supervisor::bus::{Heard, Numbered};
-use tokio::time::{MissedTickBehavior, interval};
+use genom_supervisor::connections::ConnectError;
+use tokio::task::spawn_blocking;
 
+use crate::cell::Cell;
 use crate::cells::{Cells, OpenError};
-use crate::journal;
-use crate::wants::{Want, Wants, asked};
-
-/// How often connections are looked for that went with their component.
-const SWEEP: Duration = Duration::from_secs(1);
+use crate::wants::{Asked, Ends, Found, Want};
 
 /// A process of the daemon: a cell, or with `None` the daemon's own.
 type Process = Option<String>;
 
 impl Cells {
     /// Makes a connection with `make`, after what it needs in another process is open. What the
-    /// connection before needed, and no other does, is closed.
+    /// connection before needed, and no other does, is closed then.
     ///
     /// # Errors
     /// It cannot be opened. The connection before is kept.
@@ -35,162 +32,124 @@ impl Cells {
         (inport, outport, over): (&str, &str, Option<&str>),
         make: impl Future<Output = Result<T, E>>,
     ) -> Result<Result<T, E>, OpenError> {
-        let Some(mut want) = self.across(supervisor, inport, outport, over)? else {
-            let made = make.await;
-            if made.is_ok() {
-                self.disconnected(supervisor, inport).await;
-            }
-            return Ok(made);
-        };
-        want.made = true;
-        let mut wants = self.wants().lock().await;
-        let had = wants.insert(inport.to_owned(), want.clone());
-        let opened = self.tell_needs(supervisor, &wants, &want.writer, had.as_ref()).await;
-        let made = match opened {
-            Ok(()) => Ok(make.await),
-            Err(error) => Err(error),
-        };
-        let unused = match (&made, had) {
-            (Ok(Ok(_)), had) => had,
-            (_, Some(had)) => wants.insert(inport.to_owned(), had),
-            (_, None) => wants.remove(inport),
-        };
-        if let Some(unused) = unused.filter(|unused| wants.get(inport) != Some(unused)) {
-            self.release(supervisor, &wants, &unused.writer).await;
+        let want = self.want(supervisor, &|_| false, inport, outport, over);
+        if want.is_none() && self.wants().is_empty() {
+            return Ok(make.await);
         }
-        made
+        if let Some(want) = &want {
+            genom_registry::check(&want.over)
+                .map_err(|error| OpenError::End(Arc::new(ConnectError::Backend(error))))?;
+        }
+        let had = self.wants().made(inport);
+        let writers: BTreeSet<String> =
+            want.iter().chain(&had).map(|want| want.writer.clone()).collect();
+        let asked = want.map(|want| {
+            let writer = want.writer.clone();
+            (writer, self.wants().ask(vec![(inport.to_owned(), want)]))
+        });
+        if let Some((writer, _)) = &asked {
+            // Also if it was told already: who knows whether its process is still the same.
+            self.tell(supervisor, writer, true).await?;
+        }
+        let made = make.await;
+        self.count(supervisor).await;
+        drop(asked);
+        for writer in &writers {
+            self.settle(supervisor, writer).await;
+        }
+        Ok(made)
     }
 
-    /// The connection of an in port is gone, or needs nothing of another process any more.
+    /// The connection of an in port of this process is gone.
     pub async fn disconnected(&self, supervisor: &Arc<Supervisor>, inport: &str) {
-        let mut wants = self.wants().lock().await;
-        if let Some(unused) = wants.remove(inport) {
-            self.release(supervisor, &wants, &unused.writer).await;
-        }
+        let Some(had) = self.wants().made(inport) else { return };
+        self.count(supervisor).await;
+        self.settle(supervisor, &had.writer).await;
     }
 
-    /// Opens what connections of a deployment need in other processes. Returns the in ports of these.
+    /// Opens what connections of a deployment need in other processes, until the result is dropped:
+    /// then that of connections that there are stays open. What the present ones need stays open,
+    /// too, so that they can be put back.
     ///
     /// # Errors
-    /// Something cannot be opened; nothing is kept open for this deployment then.
-    pub(crate) async fn open_for(
+    /// Something cannot be opened.
+    pub async fn open_for(
         &self,
         supervisor: &Arc<Supervisor>,
-        entries: &[ConnectionEntry],
-        deployed: &(dyn Fn(&str) -> bool + Sync),
-    ) -> Result<Vec<String>, OpenError> {
-        let (mut wants, mut new) = (self.wants().lock().await, Vec::new());
-        let before = wants.clone();
-        let mut writers = BTreeSet::new();
-        for entry in entries {
-            let (inport, over) = (entry.inport.as_str(), entry.over.as_deref());
-            let known = |name: &str| self.process(supervisor, name, deployed);
-            let want = self.between(supervisor, known, inport, &entry.outport, over)?;
-            // One that is there already stays as it is.
-            let there = wants.get(inport);
-            let want = want.filter(|want| there.is_none_or(|there| !want.is(there)));
-            if let Some(want) = want {
-                writers.insert(want.writer.clone());
-                new.push(inport.to_owned());
-                wants.insert(inport.to_owned(), want);
-            }
+        whole: &Deployment,
+    ) -> Result<Asked, OpenError> {
+        let deployed = |name: &str| whole.component.iter().any(|one| one.instance() == name);
+        let mut wants = self.wants().all_made();
+        let before = wants.len();
+        for entry in &whole.connection {
+            let (inport, over) = (&entry.inport, entry.over.as_deref());
+            let want = self.want(supervisor, &deployed, inport, &entry.outport, over);
+            wants.extend(want.map(|want| (inport.clone(), want)));
         }
+        let writers: BTreeSet<String> =
+            wants[before..].iter().map(|(_, want)| want.writer.clone()).collect();
+        let asked = self.wants().ask(wants);
         for writer in &writers {
-            if let Err(error) = self.tell_needs(supervisor, &wants, writer, None).await {
-                *wants = before;
-                for writer in &writers {
-                    self.release(supervisor, &wants, writer).await;
-                }
-                return Err(error);
-            }
+            self.tell(supervisor, writer, false).await?;
         }
-        Ok(new)
+        Ok(asked)
     }
 
-    /// The connections of a deployment to these in ports are made, or its parts were undone: what was
-    /// opened for those that are not there is closed.
-    pub(crate) async fn opened_for(&self, supervisor: &Arc<Supervisor>, inports: &[String]) {
-        if inports.is_empty() {
-            return;
-        }
-        let mut wants = self.wants().lock().await;
-        for inport in inports {
-            if let Some(want) = wants.get_mut(inport) {
-                want.made = true;
-            }
-        }
-        self.sweep(supervisor, &mut wants).await;
+    /// The same for connections that are to be put back, as far as possible.
+    pub(crate) async fn open_again(
+        &self,
+        supervisor: &Arc<Supervisor>,
+        wants: Vec<(String, Want)>,
+    ) -> Asked {
+        let asked = self.wants().ask(wants);
+        self.settle_all(supervisor).await;
+        asked
     }
 
-    /// Keeps open what is needed, and nothing else, as components come and go.
-    pub async fn keep_ends(cells: Weak<Self>, supervisor: Arc<Supervisor>) {
-        let mut changes = supervisor.bus.listen(None);
-        let mut rounds = interval(SWEEP);
-        rounds.set_missed_tick_behavior(MissedTickBehavior::Delay);
-        loop {
-            let news = tokio::select! {
-                heard = changes.next() => match heard {
-                    Some(heard) => News::of(&heard),
-                    None => return,
-                },
-                _ = rounds.tick() => Some(News::Gone),
-            };
-            let (Some(news), Some(cells)) = (news, cells.upgrade()) else { continue };
-            let mut wants = cells.wants().lock().await;
-            match news {
-                _ if wants.is_empty() => {}
-                News::Loaded(component) => cells.release(&supervisor, &wants, &component).await,
-                News::Gone => cells.sweep(&supervisor, &mut wants).await,
-            }
-        }
+    /// Connections were made or undone: what was opened for those that are not there is closed.
+    pub async fn opened_for(&self, supervisor: &Arc<Supervisor>, asked: Asked) {
+        self.count(supervisor).await;
+        drop(asked);
+        self.settle_all(supervisor).await;
     }
 
-    /// What a connection needs, if its two sides are in different processes.
-    fn across(
+    /// Goes on with the connections of cells that a daemon before this one left.
+    pub(crate) fn adopt_ends(&self, cell: &Cell) {
+        let held = cell.written();
+        let wants = held.connection.iter().filter_map(|entry| {
+            let want = Want::of(&entry.outport, entry.over.as_deref())?;
+            Some((entry.inport.clone(), want))
+        });
+        let asked = self.wants().ask(wants.collect());
+        let there = held.connection.iter();
+        let there = there.map(|entry| (entry.inport.clone(), Found::There(entry.clone())));
+        self.wants().counted(there.collect());
+        drop(asked);
+        held.component.iter().for_each(|one| self.wants().forget(&one.instance()));
+    }
+
+    /// What a connection needs, unless both its sides are in the same process. One whose writer is
+    /// nowhere yet may find it anywhere.
+    fn want(
         &self,
         supervisor: &Supervisor,
+        deployed: &dyn Fn(&str) -> bool,
         inport: &str,
         outport: &str,
         over: Option<&str>,
-    ) -> Result<Option<Want>, OpenError> {
-        let known = |name: &str| self.process(supervisor, name, &|_| false);
-        self.between(supervisor, known, inport, outport, over)
-    }
-
-    fn between(
-        &self,
-        supervisor: &Supervisor,
-        process: impl Fn(&str) -> Option<Process>,
-        inport: &str,
-        outport: &str,
-        over: Option<&str>,
-    ) -> Result<Option<Want>, OpenError> {
-        let Some(want) = asked(outport, over) else { return Ok(None) };
-        let reader = inport.split('/').next().unwrap_or_default();
-        let (Some(from), Some(to)) = (process(&want.writer), process(reader)) else {
-            return Ok(None);
-        };
-        if from == to {
-            return Ok(None);
-        }
-        let on = supervisor.backends.get(&want.over);
-        let on = on.map_err(|error| OpenError::Over(error.to_string()))?;
-        if !on.capabilities().cross_process {
-            let (writer, over) = (&want.writer, &want.over);
-            return Err(OpenError::Over(format!(
-                "{reader} and {writer} run in different processes, and {over} does not leave one: \
-                 name another middleware, or none for shared memory"
-            )));
-        }
-        Ok(Some(want))
+    ) -> Option<Want> {
+        let want = Want::of(outport, over)?;
+        let reader = self.process(supervisor, deployed, component(inport))?;
+        let writer = self.process(supervisor, deployed, &want.writer);
+        (writer != Some(reader)).then_some(want)
     }
 
     /// The process of a component, if this daemon has it, or is to have it.
     fn process(
         &self,
         supervisor: &Supervisor,
-        component: &str,
         deployed: &dyn Fn(&str) -> bool,
+        component: &str,
     ) -> Option<Process> {
         match self.of(component) {
             Some(cell) => Some(Some(cell.name().to_owned())),
@@ -199,91 +158,115 @@ impl Cells {
         }
     }
 
-    /// Tells the process of a component which of its out ports are needed where; `also` is needed for
-    /// a connection that is about to go.
-    async fn tell_needs(
+    /// Looks which of the connections there are that somebody asked for.
+    pub(crate) async fn count(&self, supervisor: &Arc<Supervisor>) {
+        let _turn = self.wants().counting.lock().await;
+        let inports = self.wants().inports();
+        if inports.is_empty() {
+            return;
+        }
+        let readers = inports.into_iter().map(|inport| (self.of(component(&inport)), inport));
+        let (readers, worker): (Vec<_>, _) = (readers.collect(), Arc::clone(supervisor));
+        // Journals are files.
+        let looking = spawn_blocking(move || look(&worker, readers));
+        if let Ok(found) = looking.await {
+            self.wants().counted(found);
+        }
+    }
+
+    /// Tells the process of a component which of its out ports are needed where, if it does not know
+    /// that, or `anyway`.
+    pub(crate) async fn tell(
         &self,
         supervisor: &Arc<Supervisor>,
-        wants: &Wants,
-        component: &str,
-        also: Option<&Want>,
+        writer: &str,
+        anyway: bool,
     ) -> Result<(), OpenError> {
-        let mut ports: BTreeMap<String, BackendNames> = BTreeMap::new();
-        for want in wants.values().chain(also).filter(|want| want.writer == component) {
-            let names = ports.remove(&want.port);
-            let over = std::slice::from_ref(&want.over);
-            let names = names.unwrap_or_else(|| BackendNames::one(want.over.as_str()));
-            ports.insert(want.port.clone(), names.with(over));
-        }
-        if let Some(cell) = self.of(component) {
-            cell.answers().await?;
-            cell.tell(&routes::need_ends(component), &NeededEnds { ports }).await?;
+        let turn = self.wants().turn(writer);
+        let _turn = turn.lock().await;
+        let ends = self.wants().of(writer);
+        if !anyway && self.wants().knows(writer, &ends) {
             return Ok(());
         }
-        let (worker, component) = (Arc::clone(supervisor), component.to_owned());
-        let opening = tokio::task::spawn_blocking(move || {
-            worker.connections.need_elsewhere(&component, &ports)
-        });
+        // It may hear this, and the answer be lost.
+        self.wants().told(writer, None);
+        let told = self.send(supervisor, writer, &ends).await;
+        if told.is_ok() {
+            self.wants().told(writer, Some(ends));
+        }
+        told
+    }
+
+    async fn send(
+        &self,
+        supervisor: &Arc<Supervisor>,
+        writer: &str,
+        ends: &Ends,
+    ) -> Result<(), OpenError> {
+        let names = |over: &BTreeSet<String>| {
+            let all = over.iter().cloned().collect::<Vec<_>>();
+            BackendNames::from(all.join("+").as_str())
+        };
+        let ports: BTreeMap<String, BackendNames> =
+            ends.iter().map(|(port, over)| (port.clone(), names(over))).collect();
+        if let Some(cell) = self.of(writer) {
+            cell.answers().await?;
+            cell.tell(&routes::need_ends(writer), &NeededEnds { ports }).await?;
+            return Ok(());
+        }
+        let (worker, writer) = (Arc::clone(supervisor), writer.to_owned());
+        let opening = spawn_blocking(move || worker.connections.need_elsewhere(&writer, &ports));
         match opening.await {
-            Ok(opened) => opened.map_err(|error| OpenError::Share(error.sentence())),
+            Ok(opened) => opened.map_err(|error| OpenError::End(Arc::new(error))),
             Err(error) => Err(OpenError::Share(error.to_string())),
         }
     }
 
-    /// The same, where nobody waits for it.
-    async fn release(&self, supervisor: &Arc<Supervisor>, wants: &Wants, component: &str) {
-        if let Err(error) = self.tell_needs(supervisor, wants, component, None).await {
-            // Told again when the component is loaded again.
-            tracing::debug!("ends of {component}: {error}");
-        }
-    }
-
-    /// Releases what connections needed that are not there any more, and are not to come back.
-    async fn sweep(&self, supervisor: &Arc<Supervisor>, wants: &mut Wants) {
-        let mut gone = BTreeSet::new();
-        let mut held: BTreeMap<String, Vec<ConnectionEntry>> = BTreeMap::new();
-        wants.retain(|inport, want| {
-            let reader = inport.split('/').next().unwrap_or_default();
-            let entry = match self.of(reader) {
-                Some(cell) => {
-                    let entries = held.entry(cell.name().to_owned()).or_insert_with(|| {
-                        let read = journal::read(&cell.place().journal());
-                        read.unwrap_or_default().connection
-                    });
-                    entries.iter().find(|entry| entry.inport == *inport).cloned()
+    /// The same, where nobody waits for it: it is tried again if it cannot be done.
+    pub(crate) async fn settle(&self, supervisor: &Arc<Supervisor>, writer: &str) {
+        match self.tell(supervisor, writer, false).await {
+            Ok(()) => {}
+            // Told when it runs again.
+            Err(OpenError::Down(down)) => tracing::debug!("out ports of {writer}: {down}"),
+            Err(error) => {
+                let why = error.to_string();
+                if self.wants().failed(writer, why.clone()) {
+                    tracing::warn!("connections need out ports of {writer}: {why}; tried again");
                 }
-                None => supervisor.connections.entry(inport),
-            };
-            let needs = entry.and_then(|entry| asked(&entry.outport, entry.over.as_deref()));
-            let there = needs.is_some_and(|needs| needs.is(want));
-            let stays = there || !want.made;
-            want.made |= there;
-            if !stays {
-                gone.insert(want.writer.clone());
             }
-            stays
-        });
-        for writer in gone {
-            self.release(supervisor, wants, &writer).await;
+        }
+    }
+
+    async fn settle_all(&self, supervisor: &Arc<Supervisor>) {
+        for writer in self.wants().untold() {
+            self.settle(supervisor, &writer).await;
         }
     }
 }
 
-/// What changes about it.
-enum News {
-    /// A component was loaded.
-    Loaded(String),
-    /// A connection or a component may be gone.
-    Gone,
+/// The component of an in port.
+fn component(inport: &str) -> &str {
+    inport.split('/').next().unwrap_or_default()
 }
 
-impl News {
-    fn of(heard: &Heard) -> Option<Self> {
-        let Heard::Told(Numbered { data, .. }) = heard else { return Some(Self::Gone) };
-        match data["event"].as_str()? {
-            "component_loaded" => Some(Self::Loaded(data["component"].as_str()?.to_owned())),
-            "disconnected" | "component_unloaded" => Some(Self::Gone),
-            _ => None,
-        }
-    }
+/// What became of connections, given by in port, each with the cell of its reader.
+fn look(
+    supervisor: &Supervisor,
+    readers: Vec<(Option<Arc<Cell>>, String)>,
+) -> BTreeMap<String, Found> {
+    let mut held: BTreeMap<String, Arc<Deployment>> = BTreeMap::new();
+    let there = |entry: Option<ConnectionEntry>| entry.map_or(Found::Gone, Found::There);
+    let each = readers.into_iter().map(|(cell, inport)| {
+        let found = match cell {
+            Some(cell) => {
+                let held = held.entry(cell.name().to_owned()).or_insert_with(|| cell.written());
+                let mut entries = held.connection.iter();
+                there(entries.find(|entry| entry.inport == inport).cloned())
+            }
+            None if supervisor.components.get(component(&inport)).is_none() => Found::Away,
+            None => there(supervisor.connections.entry(&inport)),
+        };
+        (inport, found)
+    });
+    each.collect()
 }

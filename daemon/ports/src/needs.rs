@@ -2,7 +2,7 @@
 //! themselves: who needs which end, so that it is closed again with the last one who does.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 use genom_middleware::Address;
 
@@ -37,6 +37,15 @@ impl Needs {
     /// Waits for whoever opens or closes an end, and locks out others.
     pub fn turn(&self) -> MutexGuard<'_, ()> {
         self.turn.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The same, unless somebody else does so now.
+    pub fn try_turn(&self) -> Option<MutexGuard<'_, ()>> {
+        match self.turn.try_lock() {
+            Ok(turn) => Some(turn),
+            Err(TryLockError::Poisoned(poisoned)) => Some(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => None,
+        }
     }
 
     /// From now on the connection of this in port needs that, or nothing. Returns what it needed.
@@ -79,6 +88,30 @@ impl Needs {
             state.far = others;
             state.far.extend(needs);
             before
+        })
+    }
+
+    /// A reader in another process does not get this one: it cannot be opened.
+    pub fn refuse_far(&self, need: &Need) {
+        self.with(|state| {
+            let Some(over) = state.far.get_mut(&need.outport) else { return };
+            over.remove(&need.over);
+            if over.is_empty() {
+                state.far.remove(&need.outport);
+            }
+        });
+    }
+
+    /// All ends that somebody needs.
+    #[must_use]
+    pub fn all(&self) -> Vec<Need> {
+        self.with(|state| {
+            let near = state.counts.iter().map(|(outport, ends)| (outport, ends.keys().collect()));
+            let far = state.far.iter().map(|(outport, over)| (outport, over.iter().collect()));
+            let each = near.chain(far).flat_map(|(outport, over): (_, Vec<&String>)| {
+                over.into_iter().map(|over| Need { outport: outport.clone(), over: over.clone() })
+            });
+            each.collect()
         })
     }
 
@@ -158,7 +191,22 @@ mod tests {
         assert_eq!(needs.of(&out), ["shm", "zenoh"]);
         assert_eq!(needs.put_far("writer", one("ros2")), one("zenoh"));
         assert_eq!(needs.of(&out), ["ros2", "shm"]);
+        let refused = Need { outport: out.clone(), over: "ros2".to_owned() };
+        assert!(needs.all().contains(&refused));
+        needs.refuse_far(&refused);
+        assert_eq!(needs.of(&out), ["shm"]);
+        assert!(needs.with(|state| state.far.is_empty()), "nothing is left");
+        needs.put_far("writer", one("zenoh"));
         needs.put_far("writer", BTreeMap::new());
         assert_eq!(needs.of(&out), ["shm"]);
+    }
+
+    #[test]
+    fn whoever_only_looks_does_not_wait_for_an_end_that_is_being_opened() {
+        let needs = Needs::default();
+        let turn = needs.turn();
+        assert!(needs.try_turn().is_none());
+        drop(turn);
+        assert!(needs.try_turn().is_some());
     }
 }

@@ -5,13 +5,14 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
+use genom_cells::Cells;
 use genom_doors::{Body, RpcError};
 use genom_protocol::{Code, MoveRequest, Moved, NeededEnds};
 use genom_supervisor::Supervisor;
 use genom_supervisor::connections::BindError;
-use genom_views::held_up;
+use genom_views::{held_up, not_connected};
 
-use crate::rpc::{components, connections, ports};
+use crate::rpc::{components, ports};
 
 /// Most ports of one request, with elements of multiple ones.
 const MOST_ENDS: usize = 4096;
@@ -67,6 +68,7 @@ pub(crate) async fn change(
 )]
 pub(crate) async fn need(
     State(supervisor): State<Arc<Supervisor>>,
+    State(cells): State<Arc<Cells>>,
     Path(component): Path<String>,
     Body(needed): Body<NeededEnds>,
 ) -> Result<Json<NeededEnds>, RpcError> {
@@ -75,7 +77,11 @@ pub(crate) async fn need(
         let message = format!("{} ports; {MOST_ENDS} are possible", needed.ports.len());
         return Err(RpcError::bad_input(message).place("/ports"));
     }
-    for name in needed.ports.keys() {
+    for (name, over) in &needed.ports {
+        for over in over.names() {
+            genom_registry::check(over)
+                .map_err(|error| RpcError::bad_input(error.to_string()).place("/ports"))?;
+        }
         let port = name.split('/').next().unwrap_or_default();
         // A service is offered on the middlewares of its component only.
         if hosted.plan().service(name).is_none() {
@@ -84,9 +90,11 @@ pub(crate) async fn need(
     }
     let asked = needed.ports.clone();
     let work = move || supervisor.connections.need_elsewhere(&hosted.name, &asked);
-    match tokio::task::spawn_blocking(work).await {
+    let opened = tokio::task::spawn_blocking(work).await;
+    cells.tell_again(&component);
+    match opened {
         Ok(Ok(())) => Ok(Json(needed)),
-        Ok(Err(error)) => Err(connections::refused(&error)),
+        Ok(Err(error)) => Err(not_connected(&error)),
         Err(error) => Err(RpcError::internal(error.to_string())),
     }
 }

@@ -15,7 +15,7 @@ use genom_protocol::{
 use genom_supervisor::Supervisor;
 use genom_supervisor::connections::{self, ConnectError, Patience};
 use genom_supervisor::ties::Connection;
-use genom_views::held_up;
+use genom_views::not_connected;
 
 use crate::rpc;
 use crate::rpc::{components, ports};
@@ -57,6 +57,16 @@ pub(crate) async fn connect(
     State(cells): State<Arc<Cells>>,
     Body(wanted): Body<ConnectionRequest>,
 ) -> Result<(StatusCode, Json<Made>), RpcError> {
+    // Whoever asked may go away meanwhile: it is then made as a whole all the same.
+    let connecting = tokio::spawn(make(supervisor, cells, wanted));
+    connecting.await.unwrap_or_else(|error| Err(RpcError::internal(error.to_string())))
+}
+
+async fn make(
+    supervisor: Arc<Supervisor>,
+    cells: Arc<Cells>,
+    wanted: ConnectionRequest,
+) -> Result<(StatusCode, Json<Made>), RpcError> {
     let reader = wanted.inport.split('/').next().unwrap_or_default();
     if let Some(cell) = cells.of(reader) {
         let made = cells.connect(&supervisor, &cell, &wanted).await;
@@ -80,7 +90,7 @@ pub(crate) async fn connect(
         let work = move || worker.connections.connect(&asked);
         match tokio::task::spawn_blocking(work).await {
             Ok(Ok(connection)) => Ok((StatusCode::CREATED, Json(told(&connection)))),
-            Ok(Err(error)) => Err(refused(&error)),
+            Ok(Err(error)) => Err(not_connected(&error)),
             Err(error) => Err(RpcError::internal(error.to_string())),
         }
     };
@@ -147,7 +157,7 @@ async fn take_away(
         Ok(Ok(false) | Err(ConnectError::NoSuchInport { .. })) => {
             Err(RpcError::conflict(Code::NotConnected, format!("{address} is not connected")))
         }
-        Ok(Err(error)) => Err(refused(&error)),
+        Ok(Err(error)) => Err(not_connected(&error)),
         Err(error) => Err(RpcError::internal(error.to_string())),
     }
 }
@@ -163,22 +173,5 @@ fn told(connection: &Connection) -> Made {
         backend: connection.backend().map(str::to_owned),
         fixed: connection.fixed(),
         policy: connection.policy().map(|policy| terms::told_policy(policy).to_string()),
-    }
-}
-
-pub(super) fn refused(error: &ConnectError) -> RpcError {
-    let (status, place) = match error {
-        ConnectError::HeldUp(error) => return held_up(error),
-        ConnectError::NoSuchInport { .. } => (StatusCode::NOT_FOUND, "/in"),
-        ConnectError::NoSuchOutport { .. } => (StatusCode::NOT_FOUND, "/out"),
-        ConnectError::Type { .. } => (StatusCode::CONFLICT, "/out"),
-        ConnectError::Backend(_) => (StatusCode::UNPROCESSABLE_ENTITY, "/over"),
-        ConnectError::Policy { .. } => (StatusCode::UNPROCESSABLE_ENTITY, "/policy"),
-        ConnectError::Failed(_) | ConnectError::End { .. } => (StatusCode::BAD_GATEWAY, "/out"),
-    };
-    let refused = RpcError::new(status, error.code(), error.message()).place(place);
-    match error.help() {
-        Some(help) => refused.help(help),
-        None => refused,
     }
 }

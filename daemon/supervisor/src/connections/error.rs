@@ -71,6 +71,14 @@ pub enum ConnectError {
         /// Why.
         source: Box<BindError>,
     },
+    /// A reader in another process asks for a middleware that does not leave one.
+    #[error("{outport} is read in another process, and {over} does not leave one")]
+    Stays {
+        /// The out port.
+        outport: String,
+        /// Name of the middleware.
+        over: String,
+    },
     /// A codel of the reader or caller does not return.
     #[error(transparent)]
     HeldUp(#[from] HeldUp),
@@ -108,7 +116,9 @@ impl ConnectError {
             ConnectError::NoSuchInport { kind, .. } => kind.no_such_inport(),
             ConnectError::NoSuchOutport { kind, .. } => kind.no_such_outport(),
             ConnectError::Type { .. } => Code::TypeMismatch,
-            ConnectError::Policy { .. } | ConnectError::Backend(_) => Code::BadInput,
+            ConnectError::Policy { .. } | ConnectError::Backend(_) | ConnectError::Stays { .. } => {
+                Code::BadInput
+            }
             ConnectError::Failed(_) | ConnectError::End { .. } => Code::MiddlewareFailed,
             ConnectError::HeldUp(_) => Code::HeldUp,
         }
@@ -124,7 +134,7 @@ impl ConnectError {
             | ConnectError::Failed(_)
             | ConnectError::End { .. } => "out",
             ConnectError::Policy { .. } => "policy",
-            ConnectError::Backend(_) => "over",
+            ConnectError::Backend(_) | ConnectError::Stays { .. } => "over",
         }
     }
 
@@ -151,6 +161,9 @@ impl ConnectError {
             ConnectError::NoSuchInport { kind: Kind::Port, help, .. }
             | ConnectError::NoSuchOutport { kind: Kind::Port, help, .. } => Some(help),
             ConnectError::Type { help, .. } => *help,
+            ConnectError::Stays { .. } => {
+                Some("name another middleware, or none for shared memory")
+            }
             _ => None,
         }
     }

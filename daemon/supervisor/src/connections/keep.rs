@@ -9,8 +9,8 @@ use genom_bus::flag::Flag;
 /// How often missing connections are checked.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// After how many of these checks an end that could not be opened is tried again.
-const OPEN: u64 = 10;
+/// After how many of these checks the ends of out ports are checked, too.
+const ENDS: u64 = 10;
 
 /// Starts the thread that keeps connections up, until `stop` is raised.
 pub(crate) fn watch(connections: Connections, stop: Flag) -> std::io::Result<()> {
@@ -20,7 +20,9 @@ pub(crate) fn watch(connections: Connections, stop: Flag) -> std::io::Result<()>
                 return;
             }
             connections.look();
-            connections.keep_ends(round % OPEN == 0);
+            if round % ENDS == 0 {
+                connections.keep_ends();
+            }
             std::thread::park_timeout(LOOK);
         }
     })?;

@@ -28,7 +28,9 @@ pub(super) struct NewEnds {
     fan: Fan,
     opened: BTreeMap<String, Box<dyn Publisher>>,
     last: LastValue,
-    /// Middlewares that connections need it on, beyond those it moves to.
+    /// All middlewares that it is to be on.
+    to: BackendNames,
+    /// Those of them on which it is only as long as connections need that.
     lent: Vec<String>,
 }
 
@@ -47,17 +49,16 @@ impl NewEnds {
 
     /// Replaces the publishers, with all codels excluded. Returns the old ones, to be dropped
     /// later.
-    pub(super) fn exchange(mut self, hosted: &Hosted, to: &BackendNames) -> Ends {
+    pub(super) fn exchange(mut self, hosted: &Hosted) -> Ends {
         // A codel may have written since the last value was read.
         if !self.opened.is_empty() && self.last.renew(hosted, &self.key, &self.fan) {
             self.offer(hosted);
         }
-        hosted.ties.lend(&self.key, self.lent.clone());
-        let to = to.clone().with(&self.lent);
+        hosted.ties.lend(&self.key, self.lent);
         self.fan.exchange(|ends| {
             let mut all: BTreeMap<String, _> = ends.drain(..).collect();
             all.append(&mut self.opened);
-            let kept = to.names().iter();
+            let kept = self.to.names().iter();
             *ends =
                 kept.filter_map(|name| all.remove(name).map(|end| (name.clone(), end))).collect();
             all.into_iter().collect()
@@ -109,8 +110,12 @@ impl Connections {
             if port.is_some_and(|only| only != key.port) {
                 continue;
             }
-            ends.extend(self.new_ends(hosted, key.clone(), fan, to)?);
-            feeds.extend(self.followers(&hosted.port_address(&key), to)?);
+            let address = hosted.port_address(&key);
+            // What connections need stays.
+            let (mut lent, present) = (self.opening.needs.of(&address), hosted.backends_of(&key));
+            lent.retain(|name| present.has(name) && !to.has(name));
+            ends.extend(self.new_ends(hosted, key, fan, to, lent)?);
+            feeds.extend(self.followers(&address, to)?);
         }
         let served = match port {
             None => Some(self.serve_on(hosted, &added(&hosted.ties.bindings.component(), to))?),
@@ -119,7 +124,7 @@ impl Connections {
         // Checked before anything is replaced.
         feeds.iter().try_for_each(NewFeed::ready)?;
         let old_ends: Vec<_> =
-            hosted.excluded(|| ends.into_iter().map(|new| new.exchange(hosted, to)).collect())?;
+            hosted.excluded(|| ends.into_iter().map(|new| new.exchange(hosted)).collect())?;
         for new in feeds {
             if let Err(held_up) = new.exchange() {
                 // The check above passed, but now a codel does not return: this reader gets no more
@@ -143,18 +148,20 @@ impl Connections {
         Ok(())
     }
 
-    /// New publishers for the middlewares that the out port is not on yet, with its last value.
+    /// New publishers for the middlewares that the out port is not on yet, with its last value: it is
+    /// to be on those of `own`, and on those of `lent` as long as connections need that.
     pub(super) fn new_ends(
         &self,
         hosted: &Hosted,
         key: PortKey,
         fan: Fan,
-        to: &BackendNames,
+        own: &BackendNames,
+        lent: Vec<String>,
     ) -> Result<Option<NewEnds>, BindError> {
         let Some(ty) = hosted.port_type(key.port) else { return Ok(None) };
         let (address, quality) = (hosted.port_address(&key), hosted.quality(&key));
-        let (mut opened, present) = (BTreeMap::new(), hosted.backends_of(&key));
-        for name in added(&present, to) {
+        let (mut opened, to) = (BTreeMap::new(), own.clone().with(&lent));
+        for name in added(&hosted.backends_of(&key), &to) {
             let on = BackendNames::one(name);
             opened.extend(self.opening.ends(&on, &address, ty, quality)?);
         }
@@ -163,9 +170,7 @@ impl Connections {
         } else {
             self.last_value(hosted, &key, &fan, ty)
         };
-        let mut lent = self.opening.needs.of(&address);
-        lent.retain(|name| present.has(name) && !to.has(name));
-        let mut new = NewEnds { key, fan, opened, last, lent };
+        let mut new = NewEnds { key, fan, opened, last, to, lent };
         new.offer(hosted);
         Ok(Some(new))
     }

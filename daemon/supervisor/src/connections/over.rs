@@ -65,7 +65,7 @@ impl Connections {
     /// or whose component is not loaded yet, is opened there when it is.
     ///
     /// # Errors
-    /// One cannot be opened; nothing is changed then.
+    /// Why the first one that is new cannot be opened. Those are not kept, the others are.
     pub fn need_elsewhere(
         &self,
         component: &str,
@@ -77,19 +77,59 @@ impl Connections {
             .map(|(port, over)| (Address::new(component, port), over.names().to_vec()))
             .map(|(outport, over)| (outport, over.into_iter().collect()))
             .collect();
+        // Before others have to wait: a middleware may have to be started.
+        let mut refused: Vec<(Need, ConnectError)> = self.unreachable(component, &wanted);
         let _turn = needs.turn();
         let before = needs.put_far(component, wanted.clone());
-        let opened = wanted.iter().try_for_each(|(outport, over)| {
-            over.iter().try_for_each(|over| {
-                self.open_end(&Need { outport: outport.clone(), over: over.clone() })
-            })
+        refused.iter().for_each(|(need, _)| needs.refuse_far(need));
+        for (outport, over) in wanted {
+            let known = before.get(&outport);
+            for over in over {
+                let need = Need { outport: outport.clone(), over };
+                if refused.iter().any(|(one, _)| *one == need) {
+                    continue;
+                }
+                match self.open_end(&need) {
+                    Ok(()) => {}
+                    // Tried again by `keep_ends`.
+                    Err(_) if known.is_some_and(|known| known.contains(&need.over)) => {}
+                    Err(error) => {
+                        needs.refuse_far(&need);
+                        refused.push((need, error));
+                    }
+                }
+            }
+        }
+        before.keys().for_each(|outport| self.close_unneeded(outport));
+        match refused.into_iter().next() {
+            None => Ok(()),
+            Some((_, error)) => Err(error),
+        }
+    }
+
+    /// What cannot be read in another process, because its middleware cannot be opened, or does not
+    /// leave this one.
+    fn unreachable(
+        &self,
+        component: &str,
+        wanted: &BTreeMap<Address, BTreeSet<String>>,
+    ) -> Vec<(Need, ConnectError)> {
+        // One that is not here is opened when it is, if ever.
+        if self.components.get(component).is_none() {
+            return Vec::new();
+        }
+        let needs = wanted.iter().flat_map(|(outport, over)| {
+            over.iter().map(|over| Need { outport: outport.clone(), over: over.clone() })
         });
-        let unneeded = match opened {
-            Ok(()) => before,
-            Err(_) => needs.put_far(component, before),
-        };
-        unneeded.keys().for_each(|outport| self.close_unneeded(outport));
-        opened
+        let refused = needs.filter_map(|need| match self.backends.get(&need.over) {
+            Ok(middleware) if middleware.capabilities().cross_process => None,
+            Ok(_) => {
+                let (outport, over) = (need.outport.to_string(), need.over.clone());
+                Some((need, ConnectError::Stays { outport, over }))
+            }
+            Err(error) => Some((need, ConnectError::Backend(error))),
+        });
+        refused.collect()
     }
 
     /// Opens an out port of this process where a connection needs it.
@@ -99,9 +139,11 @@ impl Connections {
         if hosted.backends_of(&key).has(over) {
             return Ok(());
         }
-        let mut lent = hosted.ties.lent(&key);
-        lent.push(over.clone());
-        self.lend(&hosted, &key, &lent).map_err(|error| match error {
+        let opened = self.lend(&hosted, &key, |mut lent| {
+            lent.push(over.clone());
+            lent
+        });
+        let opened = opened.map_err(|error| match error {
             BindError::Backend(error) => ConnectError::Backend(error),
             BindError::HeldUp(error) => ConnectError::HeldUp(error),
             source => ConnectError::End {
@@ -110,39 +152,52 @@ impl Connections {
                 source: Box::new(source),
             },
         })?;
-        tracing::info!("{outport} is on {over}, too, as long as a connection needs that");
+        if opened {
+            tracing::info!("{outport} is on {over}, too, as long as a connection needs that");
+        }
         Ok(())
     }
 
     /// Closes an out port of this process where no connection needs it any more.
     fn close_unneeded(&self, outport: &Address) {
         let Some((hosted, key)) = self.written(outport) else { return };
-        let (needed, lent) = (self.opening.needs.of(outport), hosted.ties.lent(&key));
-        let (stay, leave): (Vec<_>, Vec<_>) =
-            lent.into_iter().partition(|name| needed.contains(name));
+        let needed = self.opening.needs.of(outport);
+        let mut leave = hosted.ties.lent(&key);
+        leave.retain(|name| !needed.contains(name));
         if leave.is_empty() {
             return;
         }
+        let closed = self.lend(&hosted, &key, |mut lent| {
+            lent.retain(|name| needed.contains(name));
+            lent
+        });
         let leave = leave.join(", ");
-        match self.lend(&hosted, &key, &stay) {
-            Ok(()) => tracing::info!("{outport} is no longer on {leave}: no connection needs that"),
+        match closed {
+            Ok(_) => tracing::info!("{outport} is no longer on {leave}: no connection needs that"),
             // Tried again by `keep_ends`.
             Err(error) => tracing::debug!("{outport} stays on {leave}: {error}"),
         }
     }
 
-    /// Puts an out port on its own middlewares and on these, and on no others.
-    fn lend(&self, hosted: &Hosted, key: &PortKey, lent: &[String]) -> Result<(), BindError> {
+    /// Puts an out port on its own middlewares and on others, which are chosen of those it is on
+    /// beyond its own now. Returns whether it is open.
+    fn lend(
+        &self,
+        hosted: &Hosted,
+        key: &PortKey,
+        choose: impl FnOnce(Vec<String>) -> Vec<String>,
+    ) -> Result<bool, BindError> {
         let _turn = hosted.ties.bindings.turn();
-        let Some(fan) = hosted.ties.fan(key) else { return Ok(()) };
+        let Some(fan) = hosted.ties.fan(key) else { return Ok(false) };
         let own = hosted.own_backends_of(key);
-        let to = own.clone().with(lent);
-        let Some(new) = self.new_ends(hosted, key.clone(), fan, &to)? else { return Ok(()) };
-        let old = hosted.excluded(|| new.exchange(hosted, &to))?;
-        let lent = to.names().iter().filter(|name| !own.has(name));
-        hosted.ties.lend(key, lent.cloned().collect());
+        let mut lent = choose(hosted.ties.lent(key));
+        lent.retain(|name| !own.has(name));
+        let Some(new) = self.new_ends(hosted, key.clone(), fan, &own, lent)? else {
+            return Ok(false);
+        };
+        let old = hosted.excluded(|| new.exchange(hosted))?;
         drop(old);
-        Ok(())
+        Ok(true)
     }
 
     /// The out port of this process at an address.
@@ -155,16 +210,20 @@ impl Connections {
             .then(|| (Arc::clone(&hosted), PortKey::new(port, element)))
     }
 
-    /// Closes what connections needed that went with their components. With `open`, also opens
-    /// again what could not be opened when its component was loaded.
-    pub(super) fn keep_ends(&self, open: bool) {
+    /// Closes what connections needed that went with their components, and opens again what could
+    /// not be opened when its component was loaded. Unless a connection is being made: that may take
+    /// longer than others should wait.
+    pub(super) fn keep_ends(&self) {
         let needs = &self.opening.needs;
-        let _turn = needs.turn();
+        let Some(_turn) = needs.try_turn() else { return };
         for (reader, need) in needs.readers() {
             if !self.reads_over(&reader, &need) {
                 needs.put(&reader, None);
-            } else if open && let Err(error) = self.open_end(&need) {
-                tracing::debug!("{reader}: {}", error.sentence());
+            }
+        }
+        for need in needs.all() {
+            if let Err(error) = self.open_end(&need) {
+                tracing::debug!("{}", error.sentence());
             }
         }
         for hosted in self.components.all() {
