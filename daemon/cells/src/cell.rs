@@ -162,6 +162,11 @@ impl Cell {
         &self.setup
     }
 
+    /// What its journal says that it holds: nothing where that is no journal, as for its next process.
+    pub(crate) fn written(&self) -> Arc<Deployment> {
+        self.journal.read().unwrap_or_default()
+    }
+
     pub(crate) fn place(&self) -> &Place {
         &self.place
     }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use genom_protocol::{Component, CrashReport, Crashes, LoadRequest, Unloaded, routes};
+use genom_supervisor::connections::ConnectError;
 use genom_supervisor::loading::names_script;
 use rustix::process::Signal;
 use tokio::task::JoinSet;
@@ -18,6 +19,7 @@ use crate::process::{Process, left};
 use crate::remains;
 use crate::round::Round;
 use crate::setup::Setup;
+use crate::wants::Wants;
 
 /// A cell could not be begun, or a component not be loaded into it.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -33,9 +35,12 @@ pub enum OpenError {
         /// Where it runs.
         place: String,
     },
-    /// What it needs of the daemon's own components.
+    /// What it needs of components of other processes.
     #[error("{0}")]
     Share(String),
+    /// An out port of this process is not to be had on the middleware that was asked for.
+    #[error("{}", .0.sentence())]
+    End(Arc<ConnectError>),
     /// Its process.
     #[error(transparent)]
     Down(#[from] Down),
@@ -52,6 +57,8 @@ pub struct Cells {
     bell: Mutex<Option<Bell>>,
     /// Locked while a deployment is applied; then what it did.
     last_round: tokio::sync::Mutex<Option<Round>>,
+    /// What connections need of other processes.
+    wants: Arc<Wants>,
 }
 
 impl std::fmt::Debug for Cells {
@@ -70,6 +77,7 @@ impl Cells {
             all: Mutex::default(),
             bell: Mutex::default(),
             last_round: Default::default(),
+            wants: Default::default(),
         }
     }
 
@@ -123,6 +131,10 @@ impl Cells {
 
     pub(crate) fn last_round(&self) -> &tokio::sync::Mutex<Option<Round>> {
         &self.last_round
+    }
+
+    pub(crate) fn wants(&self) -> &Arc<Wants> {
+        &self.wants
     }
 
     pub(crate) fn bell(&self) -> &Mutex<Option<Bell>> {
@@ -320,6 +332,7 @@ impl Cells {
         }
         for cell in self.all() {
             let _ = cell.begun().await;
+            self.adopt_ends(&cell);
         }
     }
 

@@ -50,12 +50,38 @@ impl Cells {
     ) -> Result<Applied, DeployError<E>> {
         let mut last = self.last_round().lock().await;
         let mut round = Round::default();
-        if !wanted.dry_run {
-            *last = None;
-            let loading = self.load_missing(supervisor, whole).await;
-            round.loaded = loading
-                .map_err(|(request, why)| DeployError::Load(Box::new(request.clone()), why))?;
+        if wanted.dry_run {
+            let parts = self.deploy_parts(supervisor, whole, wanted, own, round).await;
+            return parts.map(|(applied, _)| applied);
         }
+        *last = None;
+        let loading = self.load_missing(supervisor, whole).await;
+        round.loaded =
+            loading.map_err(|(request, why)| DeployError::Load(Box::new(request.clone()), why))?;
+        round.needed = self.wants().all_made();
+        let asked = match self.open_for(supervisor, whole).await {
+            Ok(asked) => asked,
+            Err(why) => {
+                self.take_out(&round.loaded).await;
+                return Err(DeployError::Cell { why, left: Vec::new() });
+            }
+        };
+        let applied = self.deploy_parts(supervisor, whole, wanted, own, round).await;
+        self.opened_for(supervisor, asked).await;
+        let (applied, round) = applied?;
+        *last = Some(round);
+        Ok(applied)
+    }
+
+    /// The parts of all processes, when what is missing in cells was loaded.
+    async fn deploy_parts<E: Send + 'static>(
+        self: &Arc<Self>,
+        supervisor: &Arc<Supervisor>,
+        whole: &Deployment,
+        wanted: &DeploymentRequest,
+        own: impl FnOnce() -> Result<(Applied, Option<Done>), E> + Send + 'static,
+        mut round: Round,
+    ) -> Result<(Applied, Round), DeployError<E>> {
         let own = spawn_blocking(own).await.map_err(DeployError::from);
         let mut all = match own.and_then(|done| done.map_err(DeployError::Own)) {
             Ok((applied, done)) => {
@@ -80,17 +106,17 @@ impl Cells {
             all.steps.extend(theirs.steps);
             all.beside.extend(theirs.beside);
         }
-        if !wanted.dry_run {
-            *last = Some(round);
-        }
-        Ok(all)
+        Ok((all, round))
     }
 
     /// Undoes what the last deployment did in all processes. Returns what could not be undone;
     /// `None` if there is no deployment to undo.
     pub async fn take_back(&self, supervisor: &Arc<Supervisor>) -> Option<Vec<String>> {
-        let round = self.last_round().lock().await.take()?;
-        Some(self.undo(supervisor, round).await)
+        let mut round = self.last_round().lock().await.take()?;
+        let asked = self.open_again(supervisor, std::mem::take(&mut round.needed)).await;
+        let left = self.undo(supervisor, round).await;
+        self.opened_for(supervisor, asked).await;
+        Some(left)
     }
 
     /// Undoes a round, the last part first. Returns what could not be undone.
@@ -187,7 +213,7 @@ impl Cells {
         done: &mut Vec<Arc<Cell>>,
     ) -> Result<Vec<Applied>, OpenError> {
         let theirs = whole.connection.iter().filter(|entry| self.of(entry.reader()).is_some());
-        let theirs = theirs.filter(|entry| entry.backend.is_none());
+        let theirs = theirs.filter(|entry| entry.over.is_none());
         share(supervisor, theirs.map(|entry| entry.outport.clone()).collect()).await?;
         let mut all = Vec::new();
         for cell in self.all() {

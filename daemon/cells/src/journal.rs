@@ -131,7 +131,7 @@ mod tests {
                 inport: "a/in".to_owned(),
                 outport: "b/out".to_owned(),
                 policy: None,
-                backend: None,
+                over: None,
             }],
             call: vec![call("a"), call("b")],
             activity: Vec::new(),

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use genom_supervisor::deploy::Done;
 
 use crate::cell::Cell;
+use crate::wants::Want;
 
 /// What a deployment did in all processes.
 #[derive(Default)]
@@ -15,4 +16,6 @@ pub(crate) struct Round {
     pub(crate) loaded: Vec<String>,
     /// Cells that applied their part, in this order.
     pub(crate) applied: Vec<Arc<Cell>>,
+    /// What connections of before needed of other processes, by in port.
+    pub(crate) needed: Vec<(String, Want)>,
 }

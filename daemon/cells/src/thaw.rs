@@ -270,20 +270,24 @@ impl Cells {
                 inport: entry.inport.clone(),
                 outport: entry.outport.clone(),
                 policy: entry.policy.clone(),
-                backend: entry.backend.clone(),
+                over: entry.over.clone(),
                 wait: true,
             };
             self.connect(supervisor, &cell, &wanted).await?;
             return Ok(());
         }
+        let ends = (entry.inport.as_str(), entry.outport.as_str(), entry.over.as_deref());
         let (worker, entry) = (Arc::clone(supervisor), entry.clone());
-        let making = spawn_blocking(move || {
-            let wanted = Wanted { wait: true, ..Wanted::from(&entry) };
-            worker.connections.connect(&wanted)?;
-            worker.connections.declare(std::slice::from_ref(&entry));
-            Ok::<_, ConnectError>(())
-        });
-        Ok(making.await??)
+        let making = async {
+            let making = spawn_blocking(move || {
+                let wanted = Wanted { wait: true, ..Wanted::from(&entry) };
+                worker.connections.connect(&wanted)?;
+                worker.connections.declare(std::slice::from_ref(&entry));
+                Ok::<_, ConnectError>(())
+            });
+            Ok(making.await??)
+        };
+        self.connect_over(supervisor, ends, making).await?
     }
 
     /// Lets a component go on that is held.

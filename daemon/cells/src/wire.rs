@@ -26,7 +26,7 @@ pub(crate) async fn share(
 
 impl Cells {
     /// Connects an in port or a remote of a component in a cell. What it reads or calls in this
-    /// process is put on shared memory first, unless a middleware is named.
+    /// process is put on shared memory first, or on the middleware that is named.
     ///
     /// # Errors
     /// It cannot be put there, the cell is down, or refuses.
@@ -36,10 +36,14 @@ impl Cells {
         cell: &Cell,
         wanted: &ConnectionRequest,
     ) -> Result<Connection, OpenError> {
-        if wanted.backend.is_none() {
+        if wanted.over.is_none() {
             share(supervisor, vec![wanted.outport.clone()]).await?;
         }
-        cell.answers().await?;
-        Ok(cell.tell(&routes::connect(), wanted).await?)
+        let ends = (wanted.inport.as_str(), wanted.outport.as_str(), wanted.over.as_deref());
+        self.connect_over(supervisor, ends, async {
+            cell.answers().await?;
+            Ok(cell.tell(&routes::connect(), wanted).await?)
+        })
+        .await?
     }
 }

@@ -72,6 +72,7 @@ fn assign(table: &mut Table, way: &Way, isolated: bool) -> Result<(), NoConfigur
         // One from elsewhere stays on the middleware where it is.
         if known.iter().any(|name| name == of) {
             connection.remove("backend");
+            connection.remove("over");
             set(connection, "out", address);
         }
     }

@@ -332,7 +332,7 @@ impl Config {
         });
         let of_connections = self.connection.iter().flat_map(|one| {
             let place: Option<Place> = one.outport.parse().ok();
-            one.backend.clone().into_iter().chain(place.and_then(|place| place.backend))
+            one.over.clone().into_iter().chain(place.and_then(|place| place.backend))
         });
         let all = std::iter::once(&self.backend).chain(self.backends.keys());
         all.chain(of_components).cloned().chain(of_connections).collect()

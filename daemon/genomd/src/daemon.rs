@@ -70,6 +70,7 @@ impl Daemon {
         let cells = Arc::new(cells(settings, &supervisor, Arc::clone(&boxes), failures));
         let reacting = react(Arc::downgrade(&cells), Arc::clone(&supervisor), failed);
         tokio::spawn(reacting);
+        tokio::spawn(Cells::keep_ends(Arc::downgrade(&cells), Arc::clone(&supervisor)));
         let known = Arc::clone(&cells);
         supervisor.connections.look_elsewhere(move |name| known.of(name).is_some());
         Arc::new(Self {

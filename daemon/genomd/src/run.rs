@@ -6,7 +6,7 @@ use std::os::fd::OwnedFd;
 use std::sync::Arc;
 use std::time::Duration;
 
-use genom_cells::{AskError, OpenError};
+use genom_cells::{AskError, Asked, OpenError};
 use genom_configuration::{ClockKind, ConnectionEntry, LoadRequest, RpcSettings, Spot};
 use genom_doors::{
     Certificates, Desk, Door, Entrance, Listener, Log, Most, Socket, Tokens, acceptor, serve,
@@ -374,8 +374,11 @@ async fn deploy(daemon: &Daemon, settings: &Settings, steps: Vec<Step>) -> Refus
     match (own, in_cells) {
         (_, Err(_)) if supervisor.stopping() => std::future::pending().await,
         (_, Err(refusal)) => refusal,
-        (Ok(Ok(())), Ok(())) => {
+        (Ok(Ok(())), Ok(asked)) => {
             startup.deployed.raise();
+            if let Some(asked) = asked {
+                daemon.cells.opened_for(supervisor, asked).await;
+            }
             std::future::pending().await
         }
         (Ok(Err(_)), _) if supervisor.stopping() => std::future::pending().await,
@@ -400,12 +403,13 @@ fn own_part(
     (steps.collect(), connections.filter(|entry| own(entry.reader())).cloned().collect())
 }
 
-/// Has each cell connect, call and start what the configuration says of its components.
-async fn deploy_in_cells(daemon: &Daemon, settings: &Settings) -> Result<(), Refusal> {
+/// Has each cell connect, call and start what the configuration says of its components. What
+/// connections need of other processes is open until the result is dropped.
+async fn deploy_in_cells(daemon: &Daemon, settings: &Settings) -> Result<Option<Asked>, Refusal> {
     if daemon.own_cell.is_some() {
-        return Ok(());
+        return Ok(None);
     }
-    let Some(file) = settings.file.clone() else { return Ok(()) };
+    let Some(file) = settings.file.clone() else { return Ok(None) };
     let text = match settings.config.lifecycle.components.is_empty() {
         true => std::fs::read_to_string(&file).map_err(Refusal::own)?,
         // Without what ROS loads.
@@ -421,14 +425,19 @@ async fn deploy_in_cells(daemon: &Daemon, settings: &Settings) -> Result<(), Ref
         timeout: Some(86_400.0),
     };
     loop {
-        let applied = daemon.cells.apply(&daemon.supervisor, &settings.deployment, &wanted).await;
-        match applied {
-            Ok(_) => return Ok(()),
+        let applied = async {
+            let (cells, whole) = (&daemon.cells, &settings.deployment);
+            let asked = cells.open_for(&daemon.supervisor, whole).await?;
+            cells.apply(&daemon.supervisor, whole, &wanted).await?;
+            Ok(asked)
+        };
+        match applied.await {
+            Ok(asked) => return Ok(Some(asked)),
             // One that ended meanwhile comes back with what it held, or has failed: neither is a
             // reason to end the others.
             Err(OpenError::Down(down)) if down.state == CellState::Failed => {
                 tracing::error!("{down}; what the configuration says of it is not done");
-                return Ok(());
+                return Ok(None);
             }
             Err(OpenError::Down(_) | OpenError::Ask(AskError::Gone(_))) => {
                 tokio::time::sleep(Duration::from_millis(100)).await;

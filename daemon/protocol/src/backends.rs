@@ -1,5 +1,6 @@
 //! The middlewares of components and ports, and moves between them.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
@@ -30,6 +31,17 @@ impl BackendNames {
     #[must_use]
     pub fn names(&self) -> &[String] {
         &self.0
+    }
+
+    /// These and others.
+    #[must_use]
+    pub fn with(mut self, others: &[String]) -> Self {
+        for name in others {
+            if !self.has(name) {
+                self.0.push(name.clone());
+            }
+        }
+        self
     }
 
     /// The first name, for uses that take only one.
@@ -105,6 +117,16 @@ pub struct Moved {
     pub port: Option<String>,
     /// Its middlewares.
     pub backend: BackendNames,
+}
+
+/// Out ports of a component that connections read over middlewares which the ports are not on by
+/// themselves: those of readers in other processes of the daemon, which tells its cells.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub struct NeededEnds {
+    /// The middlewares, by port, or by `port/element` of a multiple one.
+    pub ports: BTreeMap<String, BackendNames>,
 }
 
 #[cfg(test)]

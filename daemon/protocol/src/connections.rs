@@ -25,9 +25,10 @@ pub struct ConnectionRequest {
         )
     )]
     pub policy: Option<String>,
-    /// Middleware to use; by default that of the out port.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub backend: Option<String>,
+    /// Middleware to use; by default that of the out port. An out port of this daemon that is not on
+    /// it is opened there, and closed again with the last connection over it.
+    #[serde(default, alias = "backend", skip_serializing_if = "Option::is_none")]
+    pub over: Option<String>,
     /// Connect even if the out port does not exist yet.
     #[serde(default, skip_serializing_if = "is_false")]
     pub wait: bool,
@@ -56,6 +57,9 @@ pub struct Connection {
     /// Its middleware; absent for a remote whose service is in the same daemon.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub backend: Option<String>,
+    /// Whether that middleware was asked for (`over`): the connection stays on it.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub fixed: bool,
     /// Its policy; absent for a remote.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub policy: Option<String>,

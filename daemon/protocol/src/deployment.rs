@@ -25,9 +25,10 @@ pub struct ConnectionEntry {
     /// `latest` (default), `queue:N` or `ring:N`; not for a remote.
     #[serde(default, deserialize_with = "policy_text", skip_serializing_if = "Option::is_none")]
     pub policy: Option<String>,
-    /// The middleware; by default chosen from those of the two sides.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub backend: Option<String>,
+    /// The middleware; by default chosen from those of the two sides. An out port of the same daemon
+    /// that is not on it is opened there as long as the connection lasts.
+    #[serde(default, alias = "backend", skip_serializing_if = "Option::is_none")]
+    pub over: Option<String>,
 }
 
 /// A request to a service.
@@ -238,7 +239,7 @@ mod tests {
             inport: inport.to_owned(),
             outport: "a/out".to_owned(),
             policy: None,
-            backend: None,
+            over: None,
         };
         Deployment {
             component: vec![

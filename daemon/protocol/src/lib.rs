@@ -88,7 +88,7 @@ pub use activities::{
     Aborted, AbortedActivity, Activities, Activity, AllAborted, LookParameters, Status,
 };
 pub use address::{Address, Place, Subject};
-pub use backends::{BackendNames, MoveRequest, Moved};
+pub use backends::{BackendNames, MoveRequest, Moved, NeededEnds};
 pub use blackbox::{BlackBox, BlackBoxFile, BlackBoxLeft, BlackBoxPart};
 pub use cells::{Cell, CellEnds, CellState, Cells, RestartPolicy};
 pub use clock::{Clock, ClockKind, StepRequest};

@@ -9,10 +9,10 @@ use crate::{
     Connections, CrashReport, Crashes, Daemons, DeploymentRequest, Description, Disconnected,
     Dumped, Examined, ExecutionKind, Findings, Fired, Frozen, GoesOn, Histograms, Inputs,
     KeepRequest, KeptRecording, KeptRecordings, KeptReplay, Link, LinkRequest, LoadRequest, Logs,
-    Middlewares, MoveRequest, Moved, PlotColumns, Plots, PortTraffic, PortType, Ports, Published,
-    Ready, RecordingEnds, RecordingRemoved, RecordingRequest, Refusal, ReloadRequest, Reloaded,
-    ReplayRequest, Replayed, Sources, Started, Statistics, StepRequest, Stopping, StreamEnd,
-    TakenBack, ThawRequest, Thawed, Timeline, Unloaded, Withheld, frames,
+    Middlewares, MoveRequest, Moved, NeededEnds, PlotColumns, Plots, PortTraffic, PortType, Ports,
+    Published, Ready, RecordingEnds, RecordingRemoved, RecordingRequest, Refusal, ReloadRequest,
+    Reloaded, ReplayRequest, Replayed, Sources, Started, Statistics, StepRequest, Stopping,
+    StreamEnd, TakenBack, ThawRequest, Thawed, Timeline, Unloaded, Withheld, frames,
 };
 
 /// Lists all types that cross the control plane, including those of streams and recordings, to
@@ -63,6 +63,7 @@ use crate::{
     Middlewares,
     MoveRequest,
     Moved,
+    NeededEnds,
     PlotColumns,
     Plots,
     PortTraffic,

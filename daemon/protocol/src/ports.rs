@@ -64,7 +64,10 @@ pub struct Port {
     /// Address of the out port that it reads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub connected: Option<String>,
-    /// Its middlewares.
+    /// The middleware of that connection.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub over: Option<String>,
+    /// Its middlewares; those of an in port say where it looks for writers of other daemons.
     pub backend: BackendNames,
     /// Counters of its samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -51,7 +51,7 @@ impl Remedy {
             inport: inport.to_owned(),
             outport: outport.unwrap_or_default().to_owned(),
             policy: None,
-            backend: None,
+            over: None,
             wait: false,
         };
         let with = |does| Self::with(does, &routes::connect(), &body);

@@ -23,7 +23,7 @@ use crate::{
     DoctorParameters, Dumped, Examined, Findings, Fired, Frozen, GoesOn, Histograms,
     ImageParameters, Inputs, KeepRequest, KeptRecording, KeptRecordings, KeptReplay, Link,
     LinkRequest, LoadRequest, LogEntry, LogParameters, Logs, LookParameters, MiddlewareParameters,
-    Middlewares, MoveRequest, Moved, PlotColumns, PlotParameters, Port, PortParameters,
+    Middlewares, MoveRequest, Moved, NeededEnds, PlotColumns, PlotParameters, Port, PortParameters,
     PortTraffic, PortType, Ports, Published, Ready, ReadyParameters, RecordingEnds,
     RecordingRemoved, RecordingRequest, ReloadRequest, Reloaded, ReplayRequest, Replayed, Right,
     Service, Sources, Statistics, StepRequest, Stopping, StreamParameters, TakenBack, ThawRequest,
@@ -205,6 +205,9 @@ routes! {
     Get sources(component) [Read] "/components/{component}/sources", Sources;
     /// Moves a component, or one of its ports, to other middlewares.
     Put move_component(component) [Wire] "/components/{component}/backend" => MoveRequest, Moved;
+    /// Opens out ports of a component for readers in other processes, and closes those that these do
+    /// not need any more: as a daemon asks its cells.
+    Put need_ends(component) [Wire] "/components/{component}/ends" => NeededEnds, NeededEnds;
     /// Statistics of the tasks and codels of a component.
     Get statistics(component) [Read] "/components/{component}/tasks", Statistics;
     /// How often the tasks of a component took how long.

@@ -36,6 +36,8 @@ pub struct Backends {
     /// Whether the time of components is that of a simulator.
     simulated: bool,
     pub(crate) open: Mutex<Open>,
+    /// Locked while one is being opened, which may take long: others can be used meanwhile.
+    opening: Mutex<()>,
     /// Called with each middleware when it opens.
     opens: RwLock<Vec<Box<OnOpen>>>,
     /// The foreign names that descriptions ask for, each with its number of holders. If several
@@ -57,6 +59,7 @@ impl Backends {
             gateways: None,
             simulated: false,
             open: Mutex::default(),
+            opening: Mutex::default(),
             opens: RwLock::default(),
             masquerades: Mutex::default(),
         }
@@ -91,11 +94,14 @@ impl Backends {
         opens.push(Box::new(told));
     }
 
-    /// The middleware of that name; opens it if needed.
+    /// The middleware of that name; opens it if needed, and blocks as long as that takes.
     pub fn get(&self, name: &str) -> Result<Arc<dyn Middleware>, BackendError> {
-        let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((middleware, _)) = open.get(name) {
-            return Ok(Arc::clone(middleware));
+        if let Some(middleware) = self.opened(name) {
+            return Ok(middleware);
+        }
+        let turn = self.opening.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(middleware) = self.opened(name) {
+            return Ok(middleware);
         }
         let known = check(name)?;
         let opened = self.make(&known);
@@ -104,13 +110,14 @@ impl Backends {
         if self.simulated {
             middleware.simulated_time();
         }
+        let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
         open.insert(known.name, (Arc::clone(&middleware), Instant::now()));
         let masquerades = self.masquerades();
         for (one, _) in masquerades.iter().filter(|(one, _)| one.on == known.name) {
             middleware.masquerade(&one.ours, &one.foreign)?;
         }
         drop(masquerades);
-        drop(open);
+        drop((open, turn));
         let opens = self.opens.read().unwrap_or_else(PoisonError::into_inner);
         opens.iter().for_each(|told| told(&middleware));
         Ok(middleware)

@@ -82,6 +82,7 @@ impl Supervisor {
             backends: Arc::clone(&backends),
             recordings: Arc::clone(&recordings),
             clock: clock.clone(),
+            needs: Arc::default(),
         };
         let offers = settings.offers.clone();
         let connections = Connections::new(&components, &bus, opening, offers);

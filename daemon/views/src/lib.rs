@@ -37,7 +37,7 @@ pub use named::{find, find_port, key};
 #[doc(hidden)]
 pub use plots::__path_plots;
 pub use plots::plots;
-pub use refused::{held_up, not_published};
+pub use refused::{held_up, not_connected, not_published};
 #[doc(hidden)]
 pub use timeline::__path_timeline;
 pub use timeline::timeline;

@@ -62,7 +62,12 @@ fn flows(hosted: &Hosted, port: PortIx) -> Vec<String> {
             PortDirection::Out => "written",
         };
         let (address, ms) = (hosted.port_address(&key), age / 1_000_000);
-        Some(format!("{address} was last {did} {ms} ms ago, {} samples so far", counts.samples))
+        let over = hosted.ties.connection(&key).filter(|made| made.fixed);
+        let over = over.map_or(String::new(), |made| format!(", over {}", made.backend));
+        Some(format!(
+            "{address} was last {did} {ms} ms ago, {} samples so far{over}",
+            counts.samples
+        ))
     };
     hosted.elements(port).into_iter().filter_map(one).collect()
 }
@@ -121,7 +126,9 @@ fn of_port(supervisor: &Supervisor, hosted: &Hosted, port: PortIx) -> Vec<Findin
                     let fix = "start its component; the connection is still there";
                     out.push(Finding::new(what, fix).or(disconnect(hosted, &key)));
                 } else if samples == 0 {
-                    let what = format!("{address} read nothing from {} yet", made.outport);
+                    let over =
+                        if made.fixed { format!(" over {}", made.backend) } else { String::new() };
+                    let what = format!("{address} read nothing from {}{over} yet", made.outport);
                     // Connected to its own address: values are published from outside.
                     out.push(if made.outport == address {
                         let fix =

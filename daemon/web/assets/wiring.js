@@ -41,7 +41,7 @@ function fields(from, to, now) {
     nodes: [named, policy.node, sized, backend.node],
     json() {
       const request = { in: into(), out: from.address, policy: policy.input.value === "latest" ? "latest" : `${policy.input.value}:${count.value}` };
-      if (from.foreign || known.length > 1) request.backend = backend.input.value || undefined;
+      if (from.foreign || known.length > 1) request.over = backend.input.value || undefined;
       return JSON.stringify(request);
     },
   };

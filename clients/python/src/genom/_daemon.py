@@ -34,7 +34,8 @@ class Daemon:
         """Connects an in port to an out port, both ``component/port``.
 
         ``policy`` is ``latest``, ``queue:N`` or ``ring:N``. With ``wait=True`` the out port need
-        not exist yet.
+        not exist yet. ``over`` names a middleware, on which the out port is opened as long as the
+        connection lasts if it is not there.
         """
         if self._named.get(outport) == inport:
             return {"in": inport, "out": inport}

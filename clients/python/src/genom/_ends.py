@@ -210,7 +210,7 @@ class Publisher(_Following):
         here = self.port.address(self._element)
         if way.backend is not None:
             # The daemon connects the port, and closes its own publisher there, if any.
-            self.port._client.connect_port(here, here, backend=way.backend)
+            self.port._client.connect_port(here, here, over=way.backend)
         try:
             if way == self._way:
                 self._end.repeat()

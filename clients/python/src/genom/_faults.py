@@ -80,8 +80,10 @@ class Faults:
         found = next((one for one in made if one["in"] == relay.port), None)
         if found is None:
             raise RefusalError("not_connected", f"{relay.port} is not connected")
-        keys = ("in", "out", "policy", "backend")
+        keys = ("in", "out", "policy")
         relay.was = {key: found[key] for key in keys if found.get(key) is not None}
+        if found.get("fixed"):
+            relay.was["over"] = found["backend"]
         _, relay.seen = self._sample(relay.was["out"])
         last, _ = self._sample(relay.port)
         self._ask("DELETE", "/connections/" + relay.port)

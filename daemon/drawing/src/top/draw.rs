@@ -156,7 +156,7 @@ fn draw_ports(
         let mut cells = vec![
             port.address.clone(),
             port.direction.to_string(),
-            port.backend.to_string(),
+            port.over.clone().unwrap_or_else(|| port.backend.to_string()),
             rate.map_or_else(dash, |rate| format!("{rate:.1} Hz")),
             port.traffic.map_or_else(dash, |traffic| traffic.samples.to_string()),
             dropped.to_string(),
@@ -247,6 +247,7 @@ mod tests {
             value: None,
             backend: BackendNames::one("shm"),
             connected: connected.map(str::to_owned),
+            over: None,
             traffic,
         };
         let component = Component {

@@ -21,9 +21,10 @@ pub(crate) struct Args {
     #[arg(long, add = ArgValueCompleter::from(Names::Policies))]
     policy: Option<String>,
     /// Middleware to use [default: that of the out port; for a service of another daemon one of the
-    /// caller's].
-    #[arg(long, add = ArgValueCompleter::from(Names::Backends))]
-    backend: Option<String>,
+    /// caller's]. An out port of this daemon that is not on it is opened there, and closed again with
+    /// the last connection over it.
+    #[arg(long, visible_alias = "backend", value_name = "MIDDLEWARE", add = ArgValueCompleter::from(Names::Backends))]
+    over: Option<String>,
     /// Connect even if the out port or service does not exist yet.
     #[arg(long)]
     wait: bool,
@@ -34,7 +35,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
         inport: args.inport.to_string(),
         outport: args.outport.to_string(),
         policy: args.policy,
-        backend: args.backend,
+        over: args.over,
         wait: args.wait,
     };
     let reply = session.send(routes::connect(), &request).await?;

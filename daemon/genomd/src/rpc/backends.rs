@@ -5,13 +5,17 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
+use genom_cells::Cells;
 use genom_doors::{Body, RpcError};
-use genom_protocol::{Code, MoveRequest, Moved};
+use genom_protocol::{Code, MoveRequest, Moved, NeededEnds};
 use genom_supervisor::Supervisor;
 use genom_supervisor::connections::BindError;
-use genom_views::held_up;
+use genom_views::{held_up, not_connected};
 
 use crate::rpc::{components, ports};
+
+/// Most ports of one request, with elements of multiple ones.
+const MOST_ENDS: usize = 4096;
 
 /// Move a running component, or one of its ports, to other middlewares.
 #[utoipa::path(
@@ -45,6 +49,52 @@ pub(crate) async fn change(
             Err(RpcError::new(StatusCode::BAD_GATEWAY, Code::MiddlewareFailed, error.to_string())
                 .help("nothing was changed"))
         }
+        Err(error) => Err(RpcError::internal(error.to_string())),
+    }
+}
+
+/// Open out ports of a component for readers in other processes.
+///
+/// As a daemon asks its cells: it takes the place of what was asked before, so that what is not
+/// named any more is closed, unless a connection of the same process needs it.
+#[utoipa::path(
+    put,
+    path = "/components/{component}/ends",
+    tag = "wiring",
+    request_body = NeededEnds,
+    responses(
+        (status = 200, body = NeededEnds), (status = 404), (status = 422), (status = 502), (status = 503)
+    )
+)]
+pub(crate) async fn need(
+    State(supervisor): State<Arc<Supervisor>>,
+    State(cells): State<Arc<Cells>>,
+    Path(component): Path<String>,
+    Body(needed): Body<NeededEnds>,
+) -> Result<Json<NeededEnds>, RpcError> {
+    let hosted = components::find(&supervisor.components, &component)?;
+    if needed.ports.len() > MOST_ENDS {
+        let message = format!("{} ports; {MOST_ENDS} are possible", needed.ports.len());
+        return Err(RpcError::bad_input(message).place("/ports"));
+    }
+    for (name, over) in &needed.ports {
+        for over in over.names() {
+            genom_registry::check(over)
+                .map_err(|error| RpcError::bad_input(error.to_string()).place("/ports"))?;
+        }
+        let port = name.split('/').next().unwrap_or_default();
+        // A service is offered on the middlewares of its component only.
+        if hosted.plan().service(name).is_none() {
+            ports::find(&hosted, port)?;
+        }
+    }
+    let asked = needed.ports.clone();
+    let work = move || supervisor.connections.need_elsewhere(&hosted.name, &asked);
+    let opened = tokio::task::spawn_blocking(work).await;
+    cells.tell_again(&component);
+    match opened {
+        Ok(Ok(())) => Ok(Json(needed)),
+        Ok(Err(error)) => Err(not_connected(&error)),
         Err(error) => Err(RpcError::internal(error.to_string())),
     }
 }

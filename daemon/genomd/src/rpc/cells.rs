@@ -11,6 +11,7 @@ use axum::response::{IntoResponse as _, Response};
 use genom_cells::{AskError, Cell, Cells, Down, OpenError, StoreError};
 use genom_doors::{Holder, RpcError};
 use genom_protocol::{CallReply, CellEnds, CellState, Code, CrashReport, Crashes, Outcome, routes};
+use genom_views::not_connected;
 use serde_json::json;
 
 /// List the cells: processes of their own for components.
@@ -115,6 +116,7 @@ pub(super) async fn pass_on(
     // What is taken out of a cell may end it: the handler does that.
     let path = parts.extensions.get::<MatchedPath>().map(MatchedPath::as_str);
     let unload = parts.method == Method::DELETE && path == Some("/components/{component}");
+    let ends = path == Some("/components/{component}/ends");
     let request = Request::from_parts(parts, body);
     let cell = of("component").filter(|_| !unload).and_then(|component| cells.of(component));
     let Some(cell) = cell else { return next.run(request).await };
@@ -125,7 +127,11 @@ pub(super) async fn pass_on(
     {
         return refused.into_response();
     }
-    match cell.forward(request).await {
+    let forwarded = cell.forward(request).await;
+    if let Some(component) = of("component").filter(|_| ends) {
+        cells.tell_again(component);
+    }
+    match forwarded {
         Ok(response) => response.map(Body::new),
         Err(error) => match service {
             // An answer of the component, as any other exception: it was asked, and is gone.
@@ -168,6 +174,7 @@ pub(super) fn down(error: &Down) -> RpcError {
 pub(super) fn refused(error: OpenError) -> RpcError {
     match error {
         OpenError::Place(error) => RpcError::bad_input(error.to_string()).place("/cell"),
+        OpenError::End(error) => not_connected(&error),
         OpenError::Elsewhere { .. } => RpcError::conflict(Code::NoPlan, error.to_string()),
         OpenError::Share(error) => {
             RpcError::new(StatusCode::BAD_GATEWAY, Code::MiddlewareFailed, error).place("/out")

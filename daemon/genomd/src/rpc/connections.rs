@@ -15,7 +15,7 @@ use genom_protocol::{
 use genom_supervisor::Supervisor;
 use genom_supervisor::connections::{self, ConnectError, Patience};
 use genom_supervisor::ties::Connection;
-use genom_views::held_up;
+use genom_views::not_connected;
 
 use crate::rpc;
 use crate::rpc::{components, ports};
@@ -39,7 +39,9 @@ pub(crate) async fn list(
 
 /// Connect an in port to an out port, or a remote to a service.
 ///
-/// A policy must not be given for a remote. The other side may belong to another daemon.
+/// A policy must not be given for a remote. The other side may belong to another daemon. An out port
+/// of this one that is not on the middleware `over` is opened there, and closed again with the last
+/// connection over it.
 #[utoipa::path(
     post,
     path = "/connections",
@@ -55,6 +57,16 @@ pub(crate) async fn connect(
     State(cells): State<Arc<Cells>>,
     Body(wanted): Body<ConnectionRequest>,
 ) -> Result<(StatusCode, Json<Made>), RpcError> {
+    // Whoever asked may go away meanwhile: it is then made as a whole all the same.
+    let connecting = tokio::spawn(make(supervisor, cells, wanted));
+    connecting.await.unwrap_or_else(|error| Err(RpcError::internal(error.to_string())))
+}
+
+async fn make(
+    supervisor: Arc<Supervisor>,
+    cells: Arc<Cells>,
+    wanted: ConnectionRequest,
+) -> Result<(StatusCode, Json<Made>), RpcError> {
     let reader = wanted.inport.split('/').next().unwrap_or_default();
     if let Some(cell) = cells.of(reader) {
         let made = cells.connect(&supervisor, &cell, &wanted).await;
@@ -69,16 +81,22 @@ pub(crate) async fn connect(
         inport: wanted.inport,
         kind: None,
         outport: wanted.outport,
-        backend: wanted.backend,
+        over: wanted.over,
         wait: wanted.wait,
         patience: Patience::Full,
     };
-    let work = move || supervisor.connections.connect(&wanted);
-    match tokio::task::spawn_blocking(work).await {
-        Ok(Ok(connection)) => Ok((StatusCode::CREATED, Json(told(&connection)))),
-        Ok(Err(error)) => Err(refused(&error)),
-        Err(error) => Err(RpcError::internal(error.to_string())),
-    }
+    let (worker, asked) = (Arc::clone(&supervisor), wanted.clone());
+    let making = async {
+        let work = move || worker.connections.connect(&asked);
+        match tokio::task::spawn_blocking(work).await {
+            Ok(Ok(connection)) => Ok((StatusCode::CREATED, Json(told(&connection)))),
+            Ok(Err(error)) => Err(not_connected(&error)),
+            Err(error) => Err(RpcError::internal(error.to_string())),
+        }
+    };
+    // The out port may be in a cell.
+    let ends = (wanted.inport.as_str(), wanted.outport.as_str(), wanted.over.as_deref());
+    cells.connect_over(&supervisor, ends, making).await.map_err(rpc::cells::refused)?
 }
 
 /// Disconnect an in port or a remote.
@@ -92,9 +110,10 @@ pub(crate) async fn connect(
 )]
 pub(crate) async fn disconnect(
     State(supervisor): State<Arc<Supervisor>>,
+    State(cells): State<Arc<Cells>>,
     Path((component, port)): Path<(String, String)>,
 ) -> Result<Json<Disconnected>, RpcError> {
-    take_away(supervisor, component, port, None).await
+    take_away(supervisor, cells, component, port, None).await
 }
 
 /// Disconnect an element of a multiple in port.
@@ -108,13 +127,15 @@ pub(crate) async fn disconnect(
 )]
 pub(crate) async fn disconnect_element(
     State(supervisor): State<Arc<Supervisor>>,
+    State(cells): State<Arc<Cells>>,
     Path((component, port, element)): Path<(String, String, String)>,
 ) -> Result<Json<Disconnected>, RpcError> {
-    take_away(supervisor, component, port, Some(element)).await
+    take_away(supervisor, cells, component, port, Some(element)).await
 }
 
 async fn take_away(
     supervisor: Arc<Supervisor>,
+    cells: Arc<Cells>,
     component: String,
     port: String,
     element: Option<String>,
@@ -125,15 +146,18 @@ async fn take_away(
         ports::find(&hosted, &port)?;
     }
     let address = hosted.address(&port, element.as_deref()).to_string();
-    let inport = address.clone();
-    let work = tokio::task::spawn_blocking(move || supervisor.connections.disconnect(&inport));
+    let (worker, inport) = (Arc::clone(&supervisor), address.clone());
+    let work = tokio::task::spawn_blocking(move || worker.connections.disconnect(&inport));
     match work.await {
-        Ok(Ok(true)) => Ok(Json(Disconnected { disconnected: address })),
+        Ok(Ok(true)) => {
+            cells.disconnected(&supervisor, &address).await;
+            Ok(Json(Disconnected { disconnected: address }))
+        }
         // Nor can anything else of that name be connected.
         Ok(Ok(false) | Err(ConnectError::NoSuchInport { .. })) => {
             Err(RpcError::conflict(Code::NotConnected, format!("{address} is not connected")))
         }
-        Ok(Err(error)) => Err(refused(&error)),
+        Ok(Err(error)) => Err(not_connected(&error)),
         Err(error) => Err(RpcError::internal(error.to_string())),
     }
 }
@@ -147,23 +171,7 @@ fn told(connection: &Connection) -> Made {
         inport: connection.inport().to_string(),
         outport: connection.outport().to_string(),
         backend: connection.backend().map(str::to_owned),
+        fixed: connection.fixed(),
         policy: connection.policy().map(|policy| terms::told_policy(policy).to_string()),
-    }
-}
-
-fn refused(error: &ConnectError) -> RpcError {
-    let (status, place) = match error {
-        ConnectError::HeldUp(error) => return held_up(error),
-        ConnectError::NoSuchInport { .. } => (StatusCode::NOT_FOUND, "/in"),
-        ConnectError::NoSuchOutport { .. } => (StatusCode::NOT_FOUND, "/out"),
-        ConnectError::Type { .. } => (StatusCode::CONFLICT, "/out"),
-        ConnectError::Backend(_) => (StatusCode::UNPROCESSABLE_ENTITY, "/backend"),
-        ConnectError::Policy { .. } => (StatusCode::UNPROCESSABLE_ENTITY, "/policy"),
-        ConnectError::Failed(_) => (StatusCode::BAD_GATEWAY, "/out"),
-    };
-    let refused = RpcError::new(status, error.code(), error.message()).place(place);
-    match error.help() {
-        Some(help) => refused.help(help),
-        None => refused,
     }
 }

@@ -120,7 +120,12 @@ pub(crate) async fn apply(
     };
     // A cell has no cells of its own.
     let whole = if front { whole } else { Deployment::default() };
-    match daemon.cells.deploy(&daemon.supervisor, &whole, &request, work).await {
+    let asked = request.clone();
+    // Whoever asked may go away meanwhile: it is then applied as a whole, or undone, all the same.
+    let deploying =
+        async move { daemon.cells.deploy(&daemon.supervisor, &whole, &asked, work).await };
+    let deployed = tokio::spawn(deploying).await;
+    match deployed.unwrap_or_else(|error| Err(DeployError::Thread(error))) {
         Ok(applied) => Ok(Json(applied)),
         Err(DeployError::Load(component, error)) => {
             let place = Spot::component(&component).key(["cell"]);

@@ -70,6 +70,7 @@ fn routes() -> OpenApiRouter<Parts> {
         .routes(routes!(blackbox::look, blackbox::save))
         .routes(routes!(blackbox::frames))
         .routes(routes!(backends::change))
+        .routes(routes!(backends::need))
         .routes(routes!(services::describe, services::call))
         .routes(routes!(activities::list, activities::abort_all))
         .routes(routes!(activities::stop))

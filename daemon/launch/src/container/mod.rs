@@ -261,7 +261,7 @@ impl Node {
                 inport: format!("{instance}/{port}"),
                 outport: format!("ros2:{topic}"),
                 policy: None,
-                backend: None,
+                over: None,
                 wait: true,
             };
             if let Err(why) = self.plane.ask(&routes::connect(), Some(&request)).await {

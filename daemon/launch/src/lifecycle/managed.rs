@@ -79,7 +79,7 @@ mod tests {
 
     fn connection(inport: &str, outport: &str) -> ConnectionEntry {
         let (inport, outport) = (inport.to_owned(), outport.to_owned());
-        ConnectionEntry { inport, outport, policy: None, backend: None }
+        ConnectionEntry { inport, outport, policy: None, over: None }
     }
 
     fn call(component: &str) -> CallEntry {

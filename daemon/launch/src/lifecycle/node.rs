@@ -203,9 +203,9 @@ impl Node {
 
     async fn set_up(&self) -> Result<(), Failure> {
         for entry in &self.what.connections {
-            let ConnectionEntry { inport, outport, policy, backend } = entry.clone();
+            let ConnectionEntry { inport, outport, policy, over } = entry.clone();
             // Whatever it reads may be configured later.
-            let request = ConnectionRequest { inport, outport, policy, backend, wait: true };
+            let request = ConnectionRequest { inport, outport, policy, over, wait: true };
             self.plane.ask(&routes::connect(), Some(&request)).await?;
         }
         for call in &self.what.calls {

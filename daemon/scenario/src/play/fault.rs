@@ -38,7 +38,7 @@ impl<D: Daemon> Player<'_, D> {
             inport: found.inport,
             outport: found.outport,
             policy: found.policy,
-            backend: found.backend,
+            over: found.backend.filter(|_| found.fixed),
             wait: false,
         };
         self.disconnect(&fault.port).await?;

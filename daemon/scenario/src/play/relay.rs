@@ -73,7 +73,7 @@ mod tests {
             inport: String::new(),
             outport: String::new(),
             policy: None,
-            backend: None,
+            over: None,
             wait: false,
         };
         Relay {

@@ -164,6 +164,6 @@ fn samples_of_a_fault_are_passed_on_where_periods_end() {
         POST /clock {"nanoseconds":5000000}
         POST /components/arm/ports/thing 9
         POST /clock {"nanoseconds":3000000}
-        POST /connections {"in":"arm/thing","out":"eye/width","backend":"local"}"#]]
+        POST /connections {"in":"arm/thing","out":"eye/width"}"#]]
     .assert_eq(&shown.join("\n"));
 }

@@ -74,9 +74,10 @@ impl<'a> Steps<'a> {
                         .missing("to", "name the out port or the service: to = \"demo/position\"");
                 }
                 let policy = fields.text("policy").map(str::to_owned);
-                let backend = fields.text("backend").map(str::to_owned);
+                let (over, backend) = (fields.text("over"), fields.text("backend"));
+                let over = over.or(backend).map(str::to_owned);
                 let (inport, outport) = (from?.to_string(), to?.to_owned());
-                Action::Connect(ConnectionRequest { inport, outport, policy, backend, wait: false })
+                Action::Connect(ConnectionRequest { inport, outport, policy, over, wait: false })
             }
             "disconnect" => Action::Disconnect(fields.address("disconnect")?),
             "step" => Action::Advance(self.span(fields)?),

@@ -100,7 +100,7 @@ fn all_that_a_scenario_can_say_is_read() {
     expect![[r#"
         Load(LoadRequest { library: "/robot/tests/demo.so", gen_file: None, name: Some("third"), daemon: None, backend: None, after: [], ports: {}, cell: None, restart: OnFailure, snapshot: None, restore: Ids, on_failure: [], supervision: [], qos: QosEntry { reliable: None, depth: None, transient_local: None, ports: {} }, remap: [], tasks: {}, attributes: {}, instead: None, resume: None })
         Unload("third")
-        Connect(ConnectionRequest { inport: "demo/parameter", outport: "mission/gain", policy: Some("queue:4"), backend: None, wait: false })
+        Connect(ConnectionRequest { inport: "demo/parameter", outport: "mission/gain", policy: Some("queue:4"), over: None, wait: false })
         Disconnect(Address { component: "demo", port: "parameter", element: None })
         Advance(10000000)
         Publish { port: Address { component: "demo", port: "parameter", element: None }, value: Number(0.5) }

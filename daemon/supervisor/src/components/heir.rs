@@ -175,7 +175,7 @@ impl Hosted {
         for (key, fan) in self.ties.fans() {
             let Some(own) = self.port_of(heir, &key) else { continue };
             body.bind_out(own.port, own.element(), Some(fan.publisher()));
-            heir.ties.opened(own, fan);
+            heir.ties.opened(own, fan, self.ties.lent(&key));
         }
         for (key, made, tap) in self.ties.taps() {
             let Some(own) = self.port_of(heir, &key) else { continue };

@@ -231,8 +231,13 @@ impl Hosted {
         }
     }
 
-    /// The middlewares that a port is on.
+    /// The middlewares that a port is on, also those only as long as connections need that.
     pub fn backends_of(&self, key: &PortKey) -> BackendNames {
+        self.own_backends_of(key).with(&self.ties.lent(key))
+    }
+
+    /// The middlewares that a port is on, whoever is connected to it.
+    pub(crate) fn own_backends_of(&self, key: &PortKey) -> BackendNames {
         self.ties.bindings.port(&self.model().ports[key.port].name)
     }
 

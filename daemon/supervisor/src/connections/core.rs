@@ -45,9 +45,10 @@ pub struct Wanted {
     /// Which unread samples are kept for the reader; by default only the last one. Not for a
     /// remote.
     pub policy: Option<Policy>,
-    /// The middleware. By default that of the out port if it is in this daemon, else that of the in
-    /// port; services within the daemon are called without a middleware.
-    pub backend: Option<String>,
+    /// The middleware, on which the out port is opened if it is in this process and not there yet.
+    /// By default that of the out port if it is in this daemon, else that of the in port; services
+    /// within the daemon are called without a middleware.
+    pub over: Option<String>,
     /// Connect even if the other side does not exist yet.
     pub wait: bool,
     /// How long to wait for it to become visible on a network.
@@ -63,7 +64,7 @@ impl From<&ConnectionEntry> for Wanted {
             kind: None,
             outport: entry.outport.clone(),
             policy: entry.policy.is_some().then(|| terms::policy(entry.policy())),
-            backend: entry.backend.clone(),
+            over: entry.over.clone(),
             wait: false,
             patience: Patience::None,
         }

@@ -5,6 +5,8 @@ use genom_protocol::Code;
 use genom_registry::BackendError;
 use genom_runtime::HeldUp;
 
+use super::opening::BindError;
+
 /// Kind of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -59,6 +61,24 @@ pub enum ConnectError {
     /// The middleware reported an error.
     #[error(transparent)]
     Failed(Box<OpenError>),
+    /// The out port cannot be opened on the middleware that was asked for.
+    #[error("{outport} cannot be opened on {over}: {source}")]
+    End {
+        /// The out port.
+        outport: String,
+        /// Name of the middleware.
+        over: String,
+        /// Why.
+        source: Box<BindError>,
+    },
+    /// A reader in another process asks for a middleware that does not leave one.
+    #[error("{outport} is read in another process, and {over} does not leave one")]
+    Stays {
+        /// The out port.
+        outport: String,
+        /// Name of the middleware.
+        over: String,
+    },
     /// A codel of the reader or caller does not return.
     #[error(transparent)]
     HeldUp(#[from] HeldUp),
@@ -96,8 +116,10 @@ impl ConnectError {
             ConnectError::NoSuchInport { kind, .. } => kind.no_such_inport(),
             ConnectError::NoSuchOutport { kind, .. } => kind.no_such_outport(),
             ConnectError::Type { .. } => Code::TypeMismatch,
-            ConnectError::Policy { .. } | ConnectError::Backend(_) => Code::BadInput,
-            ConnectError::Failed(_) => Code::MiddlewareFailed,
+            ConnectError::Policy { .. } | ConnectError::Backend(_) | ConnectError::Stays { .. } => {
+                Code::BadInput
+            }
+            ConnectError::Failed(_) | ConnectError::End { .. } => Code::MiddlewareFailed,
             ConnectError::HeldUp(_) => Code::HeldUp,
         }
     }
@@ -109,9 +131,10 @@ impl ConnectError {
             ConnectError::NoSuchInport { .. } | ConnectError::HeldUp(_) => "in",
             ConnectError::NoSuchOutport { .. }
             | ConnectError::Type { .. }
-            | ConnectError::Failed(_) => "out",
+            | ConnectError::Failed(_)
+            | ConnectError::End { .. } => "out",
             ConnectError::Policy { .. } => "policy",
-            ConnectError::Backend(_) => "backend",
+            ConnectError::Backend(_) | ConnectError::Stays { .. } => "over",
         }
     }
 
@@ -138,6 +161,9 @@ impl ConnectError {
             ConnectError::NoSuchInport { kind: Kind::Port, help, .. }
             | ConnectError::NoSuchOutport { kind: Kind::Port, help, .. } => Some(help),
             ConnectError::Type { help, .. } => *help,
+            ConnectError::Stays { .. } => {
+                Some("name another middleware, or none for shared memory")
+            }
             _ => None,
         }
     }

@@ -30,7 +30,7 @@ impl Connections {
     ///     supervisor.load(&LoadRequest { library, ..LoadRequest::default() })?;
     /// }
     /// let (inport, outport) = ("demo/parameter".into(), "mission/gain".into());
-    /// let entry = ConnectionEntry { inport, outport, policy: None, backend: None };
+    /// let entry = ConnectionEntry { inport, outport, policy: None, over: None };
     /// supervisor.connections.connect(&Wanted::from(&entry))?;
     /// assert_eq!(supervisor.connections.all().len(), 1);
     /// assert!(supervisor.unload_all().is_empty());
@@ -103,6 +103,14 @@ impl Connections {
             Inlet::Remote(caller, remote) => caller.ties.remote(remote).map(Connection::Service),
             Inlet::Port(hosted, key) => hosted.ties.connection(&key).map(Connection::Port),
         }
+    }
+
+    /// The present connection of an in port or remote, or the one that is declared for it, as an
+    /// entry of a deployment.
+    #[must_use]
+    pub fn entry(&self, inport: &str) -> Option<ConnectionEntry> {
+        let declared = || self.declared.all().into_iter().find(|entry| entry.inport == inport);
+        self.present(inport).map(|made| made.entry()).or_else(declared)
     }
 
     /// The connections of all components.

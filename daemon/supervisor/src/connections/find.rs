@@ -113,7 +113,7 @@ impl Wanted {
                 self.no_service("", "write COMPONENT/SERVICE, or BACKEND:COMPONENT/SERVICE")
             }
         })?;
-        if let (Some(one), Some(other)) = (&place.backend, &self.backend)
+        if let (Some(one), Some(other)) = (&place.backend, &self.over)
             && one != other
         {
             return Err(match kind {
@@ -127,7 +127,7 @@ impl Wanted {
                 }
             });
         }
-        let (asked, foreign) = (self.backend.clone(), place.backend.is_some());
+        let (asked, foreign) = (self.over.clone(), place.backend.is_some());
         Ok(Outlet { address: place.address, asked: asked.or(place.backend), foreign })
     }
 

@@ -9,11 +9,20 @@ use genom_bus::flag::Flag;
 /// How often missing connections are checked.
 const LOOK: Duration = Duration::from_millis(100);
 
+/// After how many of these checks the ends of out ports are checked, too.
+const ENDS: u64 = 10;
+
 /// Starts the thread that keeps connections up, until `stop` is raised.
 pub(crate) fn watch(connections: Connections, stop: Flag) -> std::io::Result<()> {
     std::thread::Builder::new().name("genomd-connect".to_owned()).spawn(move || {
-        while !stop.is_up() {
+        for round in 1_u64.. {
+            if stop.is_up() {
+                return;
+            }
             connections.look();
+            if round % ENDS == 0 {
+                connections.keep_ends();
+            }
             std::thread::park_timeout(LOOK);
         }
     })?;

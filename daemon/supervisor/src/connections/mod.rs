@@ -15,6 +15,7 @@ mod keep;
 mod last;
 mod moving;
 mod opening;
+mod over;
 mod port;
 mod serve;
 mod service;

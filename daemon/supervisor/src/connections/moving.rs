@@ -10,7 +10,7 @@ use std::sync::Arc;
 use genom_configuration::BackendNames;
 use genom_description::model::PortIx;
 use genom_middleware::{Address, EndpointKind, OpenError, PortSpec, Publisher, Subscription};
-use genom_ports::{Fan, PortKey, Tap};
+use genom_ports::{Ends, Fan, PortKey, Tap};
 use genom_runtime::HeldUp;
 
 use super::core::{Connections, Patience, Wanted};
@@ -23,11 +23,15 @@ use crate::ties::{PortConnection, ServiceConnection};
 use genom_bus::Change;
 
 /// The new publishers of an out port, not in use yet.
-struct NewEnds {
+pub(super) struct NewEnds {
     key: PortKey,
     fan: Fan,
     opened: BTreeMap<String, Box<dyn Publisher>>,
     last: LastValue,
+    /// All middlewares that it is to be on.
+    to: BackendNames,
+    /// Those of them on which it is only as long as connections need that.
+    lent: Vec<String>,
 }
 
 impl NewEnds {
@@ -45,15 +49,16 @@ impl NewEnds {
 
     /// Replaces the publishers, with all codels excluded. Returns the old ones, to be dropped
     /// later.
-    fn exchange(mut self, hosted: &Hosted, to: &BackendNames) -> Vec<(String, Box<dyn Publisher>)> {
+    pub(super) fn exchange(mut self, hosted: &Hosted) -> Ends {
         // A codel may have written since the last value was read.
         if !self.opened.is_empty() && self.last.renew(hosted, &self.key, &self.fan) {
             self.offer(hosted);
         }
+        hosted.ties.lend(&self.key, self.lent);
         self.fan.exchange(|ends| {
             let mut all: BTreeMap<String, _> = ends.drain(..).collect();
             all.append(&mut self.opened);
-            let kept = to.names().iter();
+            let kept = self.to.names().iter();
             *ends =
                 kept.filter_map(|name| all.remove(name).map(|end| (name.clone(), end))).collect();
             all.into_iter().collect()
@@ -105,8 +110,12 @@ impl Connections {
             if port.is_some_and(|only| only != key.port) {
                 continue;
             }
-            ends.extend(self.new_ends(hosted, key.clone(), fan, to)?);
-            feeds.extend(self.followers(&hosted.port_address(&key), to)?);
+            let address = hosted.port_address(&key);
+            // What connections need stays.
+            let (mut lent, present) = (self.opening.needs.of(&address), hosted.backends_of(&key));
+            lent.retain(|name| present.has(name) && !to.has(name));
+            ends.extend(self.new_ends(hosted, key, fan, to, lent)?);
+            feeds.extend(self.followers(&address, to)?);
         }
         let served = match port {
             None => Some(self.serve_on(hosted, &added(&hosted.ties.bindings.component(), to))?),
@@ -115,7 +124,7 @@ impl Connections {
         // Checked before anything is replaced.
         feeds.iter().try_for_each(NewFeed::ready)?;
         let old_ends: Vec<_> =
-            hosted.excluded(|| ends.into_iter().map(|new| new.exchange(hosted, to)).collect())?;
+            hosted.excluded(|| ends.into_iter().map(|new| new.exchange(hosted)).collect())?;
         for new in feeds {
             if let Err(held_up) = new.exchange() {
                 // The check above passed, but now a codel does not return: this reader gets no more
@@ -139,18 +148,20 @@ impl Connections {
         Ok(())
     }
 
-    /// New publishers for the middlewares that the out port is not on yet, with its last value.
-    fn new_ends(
+    /// New publishers for the middlewares that the out port is not on yet, with its last value: it is
+    /// to be on those of `own`, and on those of `lent` as long as connections need that.
+    pub(super) fn new_ends(
         &self,
         hosted: &Hosted,
         key: PortKey,
         fan: Fan,
-        to: &BackendNames,
+        own: &BackendNames,
+        lent: Vec<String>,
     ) -> Result<Option<NewEnds>, BindError> {
         let Some(ty) = hosted.port_type(key.port) else { return Ok(None) };
         let (address, quality) = (hosted.port_address(&key), hosted.quality(&key));
-        let mut opened = BTreeMap::new();
-        for name in added(&hosted.backends_of(&key), to) {
+        let (mut opened, to) = (BTreeMap::new(), own.clone().with(&lent));
+        for name in added(&hosted.backends_of(&key), &to) {
             let on = BackendNames::one(name);
             opened.extend(self.opening.ends(&on, &address, ty, quality)?);
         }
@@ -159,7 +170,7 @@ impl Connections {
         } else {
             self.last_value(hosted, &key, &fan, ty)
         };
-        let mut new = NewEnds { key, fan, opened, last };
+        let mut new = NewEnds { key, fan, opened, last, to, lent };
         new.offer(hosted);
         Ok(Some(new))
     }
@@ -263,7 +274,7 @@ impl Connections {
                 kind: Some(Kind::Service),
                 outport: service.to_string(),
                 policy: None,
-                backend: None,
+                over: None,
                 wait: false,
                 patience: Patience::None,
             };

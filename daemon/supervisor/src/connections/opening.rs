@@ -6,7 +6,7 @@ use std::sync::Arc;
 use genom_configuration::BackendNames;
 use genom_description::model::{PortDirection, PortIx};
 use genom_middleware::{Address, OpenError, PortSpec, Publisher, Quality};
-use genom_ports::{Ends, Fan, PortKey};
+use genom_ports::{Ends, Fan, Needs, PortKey};
 use genom_registry::{BackendError, Backends};
 use genom_runtime::body::{Body, ElementError, Opener};
 use genom_runtime::plan::Plan;
@@ -51,6 +51,15 @@ pub struct Opening {
     pub(crate) recordings: Arc<Recordings>,
     /// The clock of the components.
     pub(crate) clock: Clock,
+    /// The ends that connections need.
+    pub(crate) needs: Arc<Needs>,
+}
+
+/// An out port that was opened.
+struct Open {
+    fan: Fan,
+    /// Middlewares on which it is only as long as connections need that.
+    lent: Vec<String>,
 }
 
 impl Opening {
@@ -72,17 +81,28 @@ impl Opening {
         Ok(ends)
     }
 
-    /// Opens an out port on its middlewares.
+    /// Opens an out port on its middlewares, and on those over which connections read it already.
     fn fan(
         &self,
         ties: &Ties,
         address: &Address,
         port: &str,
         ty: &DataType,
-    ) -> Result<Fan, BindError> {
+    ) -> Result<Open, BindError> {
         let (names, quality) = (ties.bindings.port(port), ties.bindings.quality(port));
-        let ends = self.ends(&names, address, ty, quality)?;
-        Ok(Fan::new(ends, &self.clock, ty))
+        let mut ends = self.ends(&names, address, ty, quality)?;
+        let mut lent = Vec::new();
+        for over in self.needs.of(address).into_iter().filter(|over| !names.has(over)) {
+            match self.ends(&BackendNames::one(over.as_str()), address, ty, quality) {
+                Ok(more) => {
+                    ends.extend(more);
+                    lent.push(over);
+                }
+                // Tried again later: it is no reason not to run the component.
+                Err(error) => tracing::warn!("a connection reads {address} over {over}: {error}"),
+            }
+        }
+        Ok(Open { fan: Fan::new(ends, &self.clock, ty), lent })
     }
 
     /// A publisher for a port that is open elsewhere.
@@ -95,16 +115,16 @@ impl Opening {
         let Some(ty) = hosted.port_type(port) else { return Ok(()) };
         let key = PortKey::new(port, None);
         let address = hosted.port_address(&key);
-        let fan = self.fan(&hosted.ties, &address, &hosted.model().ports[port].name, ty)?;
-        hosted.bind_out(&key, fan.publisher())?;
-        self.opened(&hosted.ties, key, &address, ty, &fan);
+        let open = self.fan(&hosted.ties, &address, &hosted.model().ports[port].name, ty)?;
+        hosted.bind_out(&key, open.fan.publisher())?;
+        self.opened(&hosted.ties, key, &address, ty, open);
         Ok(())
     }
 
     /// Registers an open port with supervisors and recordings.
-    fn opened(&self, ties: &Ties, key: PortKey, address: &Address, ty: &DataType, fan: &Fan) {
-        ties.opened(key, fan.clone());
-        self.recordings.opened(address, PortDirection::Out, None, ty, fan.tapes());
+    fn opened(&self, ties: &Ties, key: PortKey, address: &Address, ty: &DataType, open: Open) {
+        ties.opened(key, open.fan.clone(), open.lent);
+        self.recordings.opened(address, PortDirection::Out, None, ty, open.fan.tapes());
     }
 
     /// Opens every out port of an instance that is not running yet.
@@ -125,9 +145,9 @@ impl Opening {
                     continue;
                 }
                 let address = Address::new(instance, port.name.as_str());
-                let fan = self.fan(ties, &address, &port.name, ty)?;
-                body.bind_out(index, None, Some(fan.publisher()));
-                self.opened(ties, PortKey::new(index, None), &address, ty, &fan);
+                let open = self.fan(ties, &address, &port.name, ty)?;
+                body.bind_out(index, None, Some(open.fan.publisher()));
+                self.opened(ties, PortKey::new(index, None), &address, ty, open);
             }
         }
         body.set_opener(Box::new(ElementOpener {
@@ -164,11 +184,12 @@ impl Opener for ElementOpener {
             return Ok(self.opening.nowhere(ty));
         }
         let address = Address::new(self.instance.as_str(), local);
-        let fan = self.opening.fan(&self.ties, &address, name, ty);
-        let fan = fan.map_err(|error| ElementError::Open(Box::new(error)))?;
+        let open = self.opening.fan(&self.ties, &address, name, ty);
+        let open = open.map_err(|error| ElementError::Open(Box::new(error)))?;
         let key = PortKey::new(port, Some(element));
-        self.opening.opened(&self.ties, key, &address, ty, &fan);
-        Ok(fan.publisher())
+        let publisher = open.fan.publisher();
+        self.opening.opened(&self.ties, key, &address, ty, open);
+        Ok(publisher)
     }
 
     fn close(&self, port: PortIx, element: &str) {

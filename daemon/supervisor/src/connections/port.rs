@@ -7,7 +7,7 @@ use genom_configuration::terms;
 use genom_description::model::PortDirection;
 use genom_middleware::{Address, EndpointKind, Middleware, OpenError, Policy, PortSpec};
 use genom_nearest::suggest;
-use genom_ports::{PortKey, Tap};
+use genom_ports::{Need, PortKey, Tap};
 use genom_runtime::HeldUp;
 use genom_types::DataType;
 
@@ -77,28 +77,33 @@ impl Connections {
         let foreign = foreign && middleware.capabilities().cross_host;
         match &local {
             _ if from_outside => {}
-            Some(writer) => check_local(writer, &outport, &backend, hosted, key)?,
+            Some(writer) => check_local(writer, &outport, hosted, key)?,
             None if !wanted.wait && !foreign => {
                 let end = wanted.patience.end(&self.backends, middleware.as_ref());
-                check_remote(middleware.as_ref(), &outport, end)?;
+                self.check_remote(middleware.as_ref(), &outport, asked.is_some(), end)?;
             }
             None => {}
         }
-        let made = hosted.ties.feeds.hold(|feeds| {
-            let (outport, fixed) = (outport.clone(), asked.is_some());
-            let policy = wanted.policy.unwrap_or_default();
-            let made = self.attach(hosted, key, &middleware, Source { outport, policy, fixed })?;
-            // The daemon's own publisher at this port is closed, also to let another program
-            // publish there.
-            feeds.remove(key);
-            Ok(made)
-        });
-        made.map_err(|error| match error {
-            AttachError::Open(OpenError::TypeMismatch { ours, theirs, .. }) => {
-                differs(&inport, &ours, &outport, &theirs)
-            }
-            AttachError::Open(error) => error.into(),
-            AttachError::HeldUp(error) => error.into(),
+        let need = asked.is_some() && !from_outside && !outport.instance.is_empty();
+        let need = need.then(|| Need { outport: outport.clone(), over: backend });
+        self.with_end(&inport, need, || {
+            let made = hosted.ties.feeds.hold(|feeds| {
+                let (outport, fixed) = (outport.clone(), asked.is_some());
+                let policy = wanted.policy.unwrap_or_default();
+                let source = Source { outport, policy, fixed };
+                let made = self.attach(hosted, key, &middleware, source)?;
+                // The daemon's own publisher at this port is closed, also to let another program
+                // publish there.
+                feeds.remove(key);
+                Ok(made)
+            });
+            made.map_err(|error| match error {
+                AttachError::Open(OpenError::TypeMismatch { ours, theirs, .. }) => {
+                    differs(&inport, &ours, &outport, &theirs)
+                }
+                AttachError::Open(error) => error.into(),
+                AttachError::HeldUp(error) => error.into(),
+            })
         })
     }
 
@@ -172,15 +177,68 @@ impl Connections {
 
     /// Disconnects an in port. Returns whether it was connected.
     pub(super) fn disconnect_port(&self, hosted: &Hosted, key: &PortKey) -> Result<bool, HeldUp> {
-        hosted.ties.feeds.hold(|feeds| {
-            let Some(had) = hosted.ties.disconnected(key) else { return Ok(false) };
-            if let Err(held_up) = hosted.bind_in(key, None) {
-                hosted.ties.put_back(key.clone(), Some(had));
-                return Err(held_up);
-            }
-            feeds.remove(key);
-            Ok(true)
+        self.without_end(&hosted.port_address(key), || {
+            hosted.ties.feeds.hold(|feeds| {
+                let Some(had) = hosted.ties.disconnected(key) else { return Ok(false) };
+                if let Err(held_up) = hosted.bind_in(key, None) {
+                    hosted.ties.put_back(key.clone(), Some(had));
+                    return Err(held_up);
+                }
+                feeds.remove(key);
+                Ok(true)
+            })
         })
+    }
+
+    /// Checks a writer elsewhere: it must be visible, unless the caller agreed to wait.
+    fn check_remote(
+        &self,
+        middleware: &dyn Middleware,
+        outport: &Address,
+        asked: bool,
+        end: Instant,
+    ) -> Result<(), ConnectError> {
+        let (kind, backend) = (Kind::Port, middleware.name());
+        if !middleware.capabilities().cross_process {
+            let message = format!(
+                "no component `{}` in this daemon, and {backend} reaches no other",
+                outport.instance
+            );
+            let help = "load both on another backend";
+            return Err(ConnectError::outport(kind, message, help));
+        }
+        while !is_visible(middleware, EndpointKind::Publisher, outport)? {
+            if Instant::now() < end {
+                std::thread::park_timeout(LOOK_AGAIN);
+                continue;
+            }
+            let wanted = middleware.spelled(outport);
+            let on = if asked { self.where_else(backend, outport) } else { Vec::new() };
+            if !on.is_empty() {
+                let message = format!("{wanted} is on {}, not on {backend}", on.join("+"));
+                let help = format!(
+                    "another daemon has it: `genomctl backend {wanted} {}+{backend}` there opens it",
+                    on.join("+")
+                );
+                return Err(ConnectError::NoSuchOutport { kind, message, help, absent: true });
+            }
+            let visible = visible(middleware, EndpointKind::Publisher, outport)?;
+            let help = format!(
+                "{}; a writer that comes later is waited for with --wait",
+                suggest(&wanted, visible.iter().map(String::as_str))
+            );
+            let message = format!("nobody publishes {wanted} on {backend}");
+            return Err(ConnectError::NoSuchOutport { kind, message, help, absent: true });
+        }
+        Ok(())
+    }
+
+    /// The other open middlewares on which a writer elsewhere is visible.
+    fn where_else(&self, backend: &str, outport: &Address) -> Vec<String> {
+        let known = genom_registry::known().iter().map(|known| known.name);
+        let open = known.filter(|name| *name != backend).filter_map(|on| self.backends.opened(on));
+        let shows = open.filter(|open| publishes(open.as_ref(), outport));
+        shows.map(|open| open.name().to_owned()).collect()
     }
 }
 
@@ -188,7 +246,6 @@ impl Connections {
 fn check_local(
     writer: &Hosted,
     outport: &Address,
-    backend: &str,
     hosted: &Hosted,
     key: &PortKey,
 ) -> Result<(), ConnectError> {
@@ -210,14 +267,6 @@ fn check_local(
         let help = "a multiple port is named with an element, a single one without";
         return refuse(format!("{outport} names no out port"), help.to_owned());
     }
-    let backends = writer.ties.bindings.port(name);
-    if !backends.has(backend) {
-        let help = format!(
-            "leave the backend out, or `genomctl backend {}/{name} {backends}+{backend}` adds it",
-            writer.name
-        );
-        return refuse(format!("{outport} is on {backends}, not on {backend}"), help);
-    }
     let types = hosted.port_type(key.port).zip(writer.port_type(port));
     match types.filter(|(ours, theirs): &(&DataType, &DataType)| !ours.same_as(theirs)) {
         Some((ours, theirs)) => {
@@ -226,36 +275,4 @@ fn check_local(
         }
         None => Ok(()),
     }
-}
-
-/// Checks a writer elsewhere: it must be visible, unless the caller agreed to wait.
-fn check_remote(
-    middleware: &dyn Middleware,
-    outport: &Address,
-    end: Instant,
-) -> Result<(), ConnectError> {
-    let backend = middleware.name();
-    if !middleware.capabilities().cross_process {
-        let message = format!(
-            "no component `{}` in this daemon, and {backend} reaches no other",
-            outport.instance
-        );
-        let help = "load both on another backend";
-        return Err(ConnectError::outport(Kind::Port, message, help));
-    }
-    while !is_visible(middleware, EndpointKind::Publisher, outport)? {
-        if Instant::now() < end {
-            std::thread::park_timeout(LOOK_AGAIN);
-            continue;
-        }
-        let wanted = middleware.spelled(outport);
-        let visible = visible(middleware, EndpointKind::Publisher, outport)?;
-        let help = format!(
-            "{}; a writer that comes later is waited for with --wait",
-            suggest(&wanted, visible.iter().map(String::as_str))
-        );
-        let message = format!("nobody publishes {wanted} on {backend}");
-        return Err(ConnectError::NoSuchOutport { kind: Kind::Port, message, help, absent: true });
-    }
-    Ok(())
 }

@@ -39,7 +39,7 @@ impl StandardServices {
             kind: Some(kind),
             outport: remote.to_owned(),
             policy: None,
-            backend: None,
+            over: None,
             wait: false,
             patience: Patience::Newcomer,
         };

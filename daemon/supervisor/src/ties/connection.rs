@@ -78,7 +78,9 @@ impl Connection {
         }
     }
 
-    fn fixed(&self) -> bool {
+    /// Whether the middleware was requested explicitly.
+    #[must_use]
+    pub fn fixed(&self) -> bool {
         match self {
             Connection::Port(made) => made.fixed,
             Connection::Service(made) => made.fixed,
@@ -89,27 +91,27 @@ impl Connection {
     #[must_use]
     pub fn entry(&self) -> ConnectionEntry {
         let to = self.outport();
-        let backend = self.backend().filter(|_| self.fixed()).map(str::to_owned);
+        let over = self.backend().filter(|_| self.fixed()).map(str::to_owned);
         // An absolute foreign name such as `/scan` exists on its middleware only.
-        let (outport, backend) = match backend {
+        let (outport, over) = match over {
             Some(on) if to.instance.is_empty() => (format!("{on}:{to}"), None),
-            backend => (to.to_string(), backend),
+            over => (to.to_string(), over),
         };
         let policy = self.policy().map(|policy| terms::told_policy(policy).to_string());
-        ConnectionEntry { inport: self.inport().to_string(), outport, policy, backend }
+        ConnectionEntry { inport: self.inport().to_string(), outport, policy, over }
     }
 
     /// Whether it is the connection that an entry asks for.
     #[must_use]
     pub fn is(&self, wanted: &ConnectionEntry) -> bool {
         let Ok(place) = Place::parse(&wanted.outport) else { return false };
-        let backend = wanted.backend.as_deref().or(place.backend.as_deref());
+        let over = wanted.over.as_deref().or(place.backend.as_deref());
         let policy = match self.policy() {
             Some(policy) => policy == terms::policy(wanted.policy()),
             None => wanted.policy.is_none(),
         };
         *self.outport() == place.address
             && policy
-            && backend.is_none_or(|backend| self.backend() == Some(backend))
+            && over == self.backend().filter(|_| self.fixed())
     }
 }

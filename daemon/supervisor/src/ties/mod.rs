@@ -38,6 +38,8 @@ struct State {
     masquerades: Vec<Masquerade>,
     /// Open out ports, and elements of multiple ones that codels opened.
     opened: BTreeMap<PortKey, Fan>,
+    /// Middlewares on which out ports are open only as long as connections need that.
+    lent: BTreeMap<PortKey, Vec<String>>,
     /// Names of out ports, and of their elements, that are open in the component whose place this one
     /// takes: they are handed over.
     promised: BTreeSet<String>,
@@ -227,19 +229,55 @@ impl Ties {
         self.with(|state| state.services.remove(&remote))
     }
 
-    /// An out port, or an element of a multiple one, was opened.
-    pub(crate) fn opened(&self, key: PortKey, fan: Fan) {
-        self.with(|state| state.opened.insert(key, fan));
+    /// An out port, or an element of a multiple one, was opened; on these middlewares only as long
+    /// as connections need that.
+    pub(crate) fn opened(&self, key: PortKey, fan: Fan, lent: Vec<String>) {
+        self.with(|state| {
+            put_lent(state, &key, lent);
+            state.opened.insert(key, fan);
+        });
+    }
+
+    /// The publishers of an out port, if it is open.
+    pub(crate) fn fan(&self, key: &PortKey) -> Option<Fan> {
+        self.with(|state| state.opened.get(key).cloned())
+    }
+
+    /// Middlewares on which an out port is open only as long as connections need that.
+    #[must_use]
+    pub fn lent(&self, key: &PortKey) -> Vec<String> {
+        self.with(|state| state.lent.get(key).cloned().unwrap_or_default())
+    }
+
+    /// The out ports that are on such middlewares.
+    pub(crate) fn all_lent(&self) -> Vec<PortKey> {
+        self.with(|state| state.lent.keys().cloned().collect())
+    }
+
+    /// Stores these middlewares.
+    pub(crate) fn lend(&self, key: &PortKey, lent: Vec<String>) {
+        self.with(|state| put_lent(state, key, lent));
     }
 
     /// A codel closed an element of a multiple out port: it is not visible any more.
     pub(crate) fn closed(&self, key: &PortKey) {
-        let old = self.with(|state| state.opened.remove(key));
+        let old = self.with(|state| {
+            state.lent.remove(key);
+            state.opened.remove(key)
+        });
         // Dropped after the lock is released, so that nobody waits.
         drop(old);
     }
 
     fn with<T>(&self, work: impl FnOnce(&mut State) -> T) -> T {
         work(&mut self.state.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+fn put_lent(state: &mut State, key: &PortKey, lent: Vec<String>) {
+    if lent.is_empty() {
+        state.lent.remove(key);
+    } else {
+        state.lent.insert(key.clone(), lent);
     }
 }

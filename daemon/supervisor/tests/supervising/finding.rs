@@ -33,7 +33,7 @@ fn a_connection_asks_for_its_address_and_lists_all_others_only_to_suggest_one() 
             kind: None,
             outport: outport.to_owned(),
             policy: None,
-            backend: None,
+            over: None,
             wait: false,
             patience: Patience::None,
         })

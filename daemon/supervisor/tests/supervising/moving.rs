@@ -117,7 +117,7 @@ fn moves(size: usize, from: &str, to: &str, place: [u8; 4]) {
         kind: None,
         outport: "camera/frame".to_owned(),
         policy: None,
-        backend: None,
+        over: None,
         wait: false,
         patience: Patience::Full,
     };

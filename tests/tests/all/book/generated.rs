@@ -104,22 +104,28 @@ fn accepted(section: &Section) -> Vec<String> {
     line.split('`').skip(1).step_by(2).map(str::to_owned).collect()
 }
 
-/// What a source says of the fields of a struct: key, and its documentation in one line.
+/// What a source says of the fields of a struct: key, and its documentation in one line; names that
+/// a field had before, with the one that it has.
 fn documented(section: &Section) -> Vec<(String, String)> {
     let text = fs::read_to_string(repository().join(section.file)).unwrap();
     let begin = format!("pub struct {} {{\n", section.of);
     let (_, body) = text.split_once(&begin).unwrap_or_else(|| panic!("no {begin}"));
     let (body, _) = body.split_once("\n}\n").unwrap();
     let (mut fields, mut words, mut renamed) = (Vec::new(), Vec::new(), None);
+    let mut before: Option<String> = None;
     for line in body.lines().map(str::trim) {
         if let Some(said) = line.strip_prefix("///") {
             words.push(said.trim().to_owned());
+        } else if let Some((_, name)) = line.split_once("alias = \"") {
+            before = name.split('"').next().map(str::to_owned);
         } else if let Some((_, name)) = line.split_once("rename = \"") {
             renamed = name.split('"').next().map(str::to_owned);
         } else if let Some((name, _)) = line.strip_prefix("pub ").and_then(|it| it.split_once(':'))
         {
             let key = renamed.take().unwrap_or_else(|| name.to_owned());
+            let was = before.take().map(|was| (was, format!("`{key}`, as it was called before.")));
             fields.push((key, std::mem::take(&mut words).join(" ")));
+            fields.extend(was);
         }
     }
     fields

@@ -9,6 +9,7 @@ mod joined;
 mod life;
 mod limits;
 mod monitors;
+mod over;
 mod refused;
 mod safe_state;
 mod supervised;

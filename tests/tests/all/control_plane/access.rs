@@ -104,6 +104,17 @@ fn each_right_opens_what_it_names_and_nothing_else() {
         let told = format!("needs the right `{needed}`; token call has call");
         with("call", arguments).expect_code(1).expect_err(&told);
     }
+    // Nor does the route with which a daemon tells its cells where ports are needed.
+    for (right, status) in [("read", 403), ("call", 403), ("wire", 422), ("admin", 422)] {
+        let file = std::fs::read_to_string(home.join(right)).unwrap();
+        let token = file.lines().find_map(|line| line.strip_prefix("token = ")).unwrap();
+        let head = format!(
+            "PUT /components/demo/ends HTTP/1.1\r\nContent-Length: 0\r\nAuthorization: Bearer {}",
+            token.trim_matches('"')
+        );
+        let reply = raw(&address, &head);
+        assert!(reply.starts_with(&format!("HTTP/1.1 {status}")), "{right}: {reply}");
+    }
     with("admin", &["unload", "demo"]).expect_code(0);
 }
 

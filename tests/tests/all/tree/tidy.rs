@@ -17,7 +17,7 @@ const FLOORS: &[(&str, &str)] = &[
         "configuration",
         "error limits runners cells states crashes reload gateways pattern blackbox recordings levels place terms offers rpc web foxglove lifecycle container spot overrides plugins file lib",
     ),
-    ("ports", "dates gauge key tape fan feeds tap lib"),
+    ("ports", "dates gauge key needs tape fan feeds tap lib"),
     (
         "supervisor",
         "outcome limits settings waiting reactor spans recording ties components connections \
@@ -35,8 +35,8 @@ const FLOORS: &[(&str, &str)] = &[
     ),
     (
         "cells",
-        "end done stat dying policy shelf theirs place snapshots journal client crashes follow remains blackbox kept process bell program setup cell round \
-         asking cells gateway unmatched own react merge record unload wire deploy thaw lib",
+        "end done stat dying policy shelf theirs place snapshots journal client crashes follow remains blackbox kept process bell program setup wants cell round \
+         asking cells gateway unmatched own react merge record unload over ends wire deploy thaw lib",
     ),
     ("genomd", "refusal cli announcements settings daemon ros rpc signals life run check lib main"),
 ];

@@ -3,6 +3,7 @@
 mod connect_port;
 mod moves;
 mod one_binary;
+mod over;
 mod services;
 mod twins;
 mod two_daemons;
