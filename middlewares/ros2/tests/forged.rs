@@ -41,7 +41,9 @@ impl World {
     fn new() -> Self {
         let domain = Domain::new(ServiceMapping::Enhanced);
         // Each may hold eight samples of this size in fragments, and one participant half of them.
-        let options = Options { greatest_sample: 1 << 20, ..domain.options() };
+        let sizes = Options { greatest_sample: 1 << 20, ..domain.options() };
+        // Nodes without services, so that each announces one end.
+        let options = Options { parameters: false, type_descriptions: false, ..sizes };
         let daemons = [(); 2].map(|()| Ros2::open(&options).unwrap());
         let (ty, at) = (state(), Address::new("demo", "state"));
         let publisher = daemons[0].publisher(&PortSpec::new(&at, &ty)).unwrap();
