@@ -17,7 +17,7 @@ use ros2_client::rcl_interfaces::{
 use super::error::SetError;
 use super::events::Events;
 use super::gather::Gather;
-use super::table::{Attributes, Known, Pair, parameters};
+use super::table::{Attributes, Known, parameters};
 use crate::lock::lock;
 use crate::own_services::{OwnService, Reply, answer};
 use crate::typed;
@@ -65,14 +65,15 @@ fn get(node: &Parameters, reply: Reply, message: &[u8]) -> Option<()> {
         answer(reply, &GetParametersResponse { values });
     });
     for (place, name) in names.iter().enumerate() {
-        let (attribute, shape) = match all.get(name) {
+        let pair = match all.get(name) {
             Some(Known::Clock(clock)) => {
                 gather.put(place, clock.value());
                 continue;
             }
-            Some(Known::Attributes(Pair { get: Some(getter), .. })) => getter.clone(),
-            Some(Known::Attributes(_)) | None => continue,
+            Some(Known::Attributes(pair)) => pair,
+            None => continue,
         };
+        let Some((attribute, shape)) = pair.get.clone() else { continue };
         let told = move |outcome: Outcome| match outcome {
             Outcome::Success(output) => shape.value(&output.to_json()).unwrap_or(Value::NotSet),
             _ => Value::NotSet,
@@ -107,12 +108,8 @@ fn set_all(
         then(results);
     });
     for (place, Parameter { name, value }) in values.iter().enumerate() {
-        let (attribute, shape) = match all.get(name) {
-            Some(Known::Attributes(Pair { set: Some(setter), .. })) => setter,
-            Some(Known::Attributes(_)) => {
-                gather.put(place, Err(SetError::ReadOnly(name.clone())));
-                continue;
-            }
+        let pair = match all.get(name) {
+            Some(Known::Attributes(pair)) => pair,
             Some(Known::Clock(clock)) => {
                 gather.put(place, clock.set(value));
                 continue;
@@ -121,6 +118,10 @@ fn set_all(
                 gather.put(place, Err(SetError::Unknown(name.clone())));
                 continue;
             }
+        };
+        let Some((attribute, shape)) = &pair.set else {
+            gather.put(place, Err(SetError::ReadOnly(name.clone())));
+            continue;
         };
         let input = shape.json(value).and_then(|json| {
             let mut input = Record::new(&attribute.ty.input);

@@ -57,7 +57,7 @@ pub(crate) type Attributes = Arc<Mutex<BTreeMap<String, Arc<Attribute>>>>;
 #[derive(Clone)]
 pub(crate) enum Known {
     /// One that attributes read and set.
-    Attributes(Pair),
+    Attributes(Box<Pair>),
     /// `use_sim_time`.
     Clock(Clock),
 }
@@ -72,7 +72,7 @@ pub(crate) struct Pair {
 /// None that there is.
 impl Default for Known {
     fn default() -> Self {
-        Self::Attributes(Pair::default())
+        Self::Attributes(Box::default())
     }
 }
 
@@ -80,8 +80,8 @@ impl Known {
     /// The shape that it takes or, if read-only, that it returns.
     fn shape(&self) -> Option<&Shape> {
         match self {
-            Self::Attributes(Pair { get, set }) => {
-                set.as_ref().or(get.as_ref()).map(|(_, shape)| shape)
+            Self::Attributes(pair) => {
+                pair.set.as_ref().or(pair.get.as_ref()).map(|(_, shape)| shape)
             }
             Self::Clock(_) => None,
         }
@@ -108,16 +108,17 @@ impl Known {
     /// Whether it keeps its value, whatever others ask for.
     pub(crate) fn is_read_only(&self) -> bool {
         match self {
-            Self::Attributes(Pair { set, .. }) => set.is_none(),
+            Self::Attributes(pair) => pair.set.is_none(),
             Self::Clock(_) => true,
         }
     }
 
     /// How it is read and set, for users.
     pub(crate) fn description(&self) -> String {
-        let Self::Attributes(Pair { get, set }) = self else {
+        let Self::Attributes(pair) = self else {
             return clock::DESCRIPTION.to_owned();
         };
+        let Pair { get, set } = &**pair;
         let mut out = String::new();
         if let Some((attribute, _)) = get {
             _ = write!(out, "read by attribute {}", attribute.name);
@@ -169,7 +170,7 @@ pub(crate) fn parameters<'a>(
     }
     let own = Known::Clock(Clock { simulated });
     let mut all: BTreeMap<_, _> =
-        all.into_iter().map(|(name, pair)| (name, Known::Attributes(pair))).collect();
+        all.into_iter().map(|(name, pair)| (name, Known::Attributes(pair.into()))).collect();
     all.entry(clock::NAME.to_owned()).or_insert(own);
     all
 }
