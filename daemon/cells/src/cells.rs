@@ -330,10 +330,11 @@ impl Cells {
             }
             self.begin(&name, place, process);
         }
-        for cell in self.all() {
+        let all = self.all();
+        for cell in &all {
             let _ = cell.begun().await;
-            self.adopt_ends(&cell);
         }
+        self.adopt_ends(&all);
     }
 
     /// A process that a daemon before this one started, if it answers; else it is killed.

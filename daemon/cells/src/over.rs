@@ -113,19 +113,21 @@ impl Cells {
         self.settle_all(supervisor).await;
     }
 
-    /// Goes on with the connections of cells that a daemon before this one left.
-    pub(crate) fn adopt_ends(&self, cell: &Cell) {
-        let held = cell.written();
-        let wants = held.connection.iter().filter_map(|entry| {
+    /// Goes on with the connections of cells that a daemon before this one left. Of all at once: who
+    /// is told what some of them need closes what the others do.
+    pub(crate) fn adopt_ends(&self, cells: &[Arc<Cell>]) {
+        let held: Vec<_> = cells.iter().map(|cell| cell.written()).collect();
+        let connections = || held.iter().flat_map(|held| &held.connection);
+        let wants = connections().filter_map(|entry| {
             let want = Want::of(&entry.outport, entry.over.as_deref())?;
             Some((entry.inport.clone(), want))
         });
         let asked = self.wants().ask(wants.collect());
-        let there = held.connection.iter();
-        let there = there.map(|entry| (entry.inport.clone(), Found::There(entry.clone())));
+        let there = connections().map(|entry| (entry.inport.clone(), Found::There(entry.clone())));
         self.wants().counted(there.collect());
         drop(asked);
-        held.component.iter().for_each(|one| self.wants().forget(&one.instance()));
+        let components = held.iter().flat_map(|held| &held.component);
+        components.for_each(|one| self.wants().forget(&one.instance()));
     }
 
     /// What a connection needs, unless both its sides are in the same process. One whose writer is

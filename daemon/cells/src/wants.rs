@@ -24,7 +24,7 @@ impl Want {
         let over = over.map(str::to_owned).or(backend)?;
         // An absolute name, such as `/scan`, is not one of this daemon.
         let named = !address.instance.is_empty();
-        named.then(|| Self { writer: address.instance, port: address.name, over })
+        named.then_some(Self { writer: address.instance, port: address.name, over })
     }
 }
 
