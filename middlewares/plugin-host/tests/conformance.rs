@@ -2,6 +2,8 @@
 //! compiled and opened as a user does; that in C also with samples in their C layout, and called by
 //! the tasks themselves.
 
+#![allow(clippy::expect_used, reason = "test code")]
+
 mod built;
 
 use std::path::Path;

@@ -12,7 +12,6 @@
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a program that prints figures")]
 
 mod gateway;
-#[path = "../ours.rs"]
 mod ours;
 mod ports;
 

@@ -11,7 +11,7 @@
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a program that prints figures")]
 
 mod calls;
-#[path = "../ours.rs"]
+#[path = "../hop/ours.rs"]
 mod ours;
 mod reading;
 mod usage;
