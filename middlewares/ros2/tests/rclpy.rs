@@ -395,7 +395,7 @@ fn description(peer: &mut Peer, of: &str, name: &str, hash: &str) -> Value {
     told["extra_information"].take();
     let description = &mut told["type_description"];
     let mut all = vec![description["type_description"].take()];
-    all.extend(description["referenced_type_descriptions"].as_array_mut().unwrap().drain(..));
+    all.append(description["referenced_type_descriptions"].as_array_mut().unwrap());
     for one in &mut all {
         for field in one["fields"].as_array_mut().unwrap() {
             field["default_value"].take();

@@ -7,7 +7,7 @@ use std::time::Duration;
 use genom_bench::{Figures, clock};
 use genom_middleware::{
     ActivityId, Address, Middleware, Outcome, Replies, Served, ServiceHandler, ServiceKind,
-    ServiceType, Services as _,
+    ServiceType,
 };
 use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeTable};
 

@@ -5,20 +5,19 @@ use std::io::{self, BufRead as _, Write as _};
 use std::path::Path;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::thread;
-use std::time::Duration;
 
 use genom_bench::pair::Receive;
-use genom_bench::{FloorError, bare, octets};
-use genom_middleware::{Address, Middleware, Policy, PortSpec, Ports as _, Reading, Subscription};
+use genom_bench::{FloorError, bare, clock, octets};
+use genom_middleware::{Address, Middleware, Policy, PortSpec, Reading, Subscription};
 use genom_types::Record;
 
 use crate::{FLOWS, Flow, Way, calls, carrier, ours, usage};
 
-/// How often it looks for samples, like a task of 1 kHz.
-const PERIOD: Duration = Duration::from_millis(1);
+/// Nanoseconds from one look for samples to the next, like a task of 1 kHz.
+const PERIOD: u64 = 1_000_000;
 
-/// What may still be on its way when the writer is ready.
-const STRAGGLERS: Duration = Duration::from_millis(500);
+/// How many looks what is still on its way when the writer is ready may take.
+const STRAGGLERS: u32 = 500;
 
 /// Unread samples that a port keeps.
 const KEPT: usize = 8;
@@ -58,7 +57,7 @@ fn questions() -> Receiver<()> {
     questions
 }
 
-/// Counts until it is asked, or the writer is gone; then whatever comes within [`STRAGGLERS`].
+/// Counts until it is asked, or the writer is gone; then whatever comes in [`STRAGGLERS`].
 fn count(ends: &mut [Box<dyn Receive>], asked: &Receiver<()>) -> Result<Option<u64>, FloorError> {
     let mut samples = 0;
     let mut left = None;
@@ -70,12 +69,12 @@ fn count(ends: &mut [Box<dyn Receive>], asked: &Receiver<()>) -> Result<Option<u
         }
         match (asked.try_recv(), left) {
             (Err(TryRecvError::Disconnected), None) => return Ok(None),
-            (Ok(()), None) => left = Some(STRAGGLERS.as_millis()),
+            (Ok(()), None) => left = Some(STRAGGLERS),
             (_, Some(0)) => return Ok(Some(samples)),
             (_, Some(more)) => left = Some(more - 1),
             _ => {}
         }
-        thread::sleep(PERIOD);
+        clock::sleep_until(clock::now() + PERIOD);
     }
 }
 
@@ -85,7 +84,7 @@ fn flow(ends: &mut [Box<dyn Receive>]) -> Result<(), Box<dyn Error>> {
     let mut missing: Vec<&mut Box<dyn Receive>> = ends.iter_mut().collect();
     while !missing.is_empty() {
         missing.retain_mut(|end| !end.arrived().unwrap());
-        thread::sleep(PERIOD);
+        clock::sleep_until(clock::now() + PERIOD);
     }
     tell("connected")?;
     while let Some(samples) = count(ends, &asked)? {

@@ -10,14 +10,14 @@ use std::time::Duration;
 
 use genom_bench::pair::Send;
 use genom_bench::{FloorError, bare, clock, octets};
-use genom_middleware::{Middleware, PortSpec, Ports as _, Publisher};
+use genom_middleware::{Middleware, PortSpec, Publisher};
 use genom_types::Record;
 
 use crate::reading::topic;
 use crate::{FLOWS, Flow, READER, Way, carrier, ours, usage};
 
-/// Time between two samples on each topic until all readers have got one.
-const MEETING: Duration = Duration::from_millis(50);
+/// Nanoseconds between two samples on each topic until all readers have got one.
+const MEETING: u64 = 50_000_000;
 
 struct Out(Box<dyn Publisher>, Record);
 
@@ -134,7 +134,7 @@ pub(crate) fn flow(name: &str, flow: &Flow, way: Way, seconds: u32) -> Result<()
     let mut reader = Reader::start(name, place.path(), &what)?;
     while !reader.is_connected()? {
         ends.iter_mut().try_for_each(|end| end.send())?;
-        thread::sleep(MEETING);
+        clock::sleep_until(clock::now() + MEETING);
     }
     let (_, before) = reader.ask()?;
     let (begun, ours) = (clock::now(), usage::processor());
