@@ -19,6 +19,9 @@ use crate::{FLOWS, Flow, READER, Way, carrier, ours, usage};
 /// Nanoseconds between two samples on each topic until all readers have got one.
 const MEETING: u64 = 50_000_000;
 
+/// Nanoseconds that all readers may take until they have got one.
+const PATIENCE: u64 = 20_000_000_000;
+
 struct Out(Box<dyn Publisher>, Record);
 
 impl Send for Out {
@@ -71,6 +74,12 @@ impl Reader {
         let line = self.lines.recv()?;
         let (samples, time) = line.split_once(' ').ok_or("no figures")?;
         Ok((samples.parse()?, Duration::from_millis(time.parse()?)))
+    }
+
+    fn give_up(mut self) -> Result<(), Box<dyn Error>> {
+        self.process.kill()?;
+        self.process.wait()?;
+        Ok(())
     }
 
     pub(crate) fn finish(self) -> Result<(), Box<dyn Error>> {
@@ -132,7 +141,12 @@ pub(crate) fn flow(name: &str, flow: &Flow, way: Way, seconds: u32) -> Result<()
         _ => return Err("neither way".into()),
     };
     let mut reader = Reader::start(name, place.path(), &what)?;
+    let given_up = clock::now() + PATIENCE;
     while !reader.is_connected()? {
+        if clock::now() > given_up {
+            println!("{name:>9} {:>18} {:>6} nothing arrives", flow.name, way.word());
+            return reader.give_up();
+        }
         ends.iter_mut().try_for_each(|end| end.send())?;
         clock::sleep_until(clock::now() + MEETING);
     }
