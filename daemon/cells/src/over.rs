@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use genom_configuration::Deployment;
-use genom_protocol::{BackendNames, ConnectionEntry, NeededEnds, routes};
+use genom_protocol::{BackendNames, ConnectionEntry, NeededEnds, component_of, routes};
 use genom_supervisor::Supervisor;
 use genom_supervisor::connections::ConnectError;
 use tokio::task::spawn_blocking;
@@ -141,7 +141,7 @@ impl Cells {
         over: Option<&str>,
     ) -> Option<Want> {
         let want = Want::of(outport, over)?;
-        let reader = self.process(supervisor, deployed, component(inport))?;
+        let reader = self.process(supervisor, deployed, component_of(inport))?;
         let writer = self.process(supervisor, deployed, &want.writer);
         (writer != Some(reader)).then_some(want)
     }
@@ -167,7 +167,7 @@ impl Cells {
         if inports.is_empty() {
             return;
         }
-        let readers = inports.into_iter().map(|inport| (self.of(component(&inport)), inport));
+        let readers = inports.into_iter().map(|inport| (self.of(component_of(&inport)), inport));
         let (readers, worker): (Vec<_>, _) = (readers.collect(), Arc::clone(supervisor));
         // Journals are files.
         let looking = spawn_blocking(move || look(&worker, readers));
@@ -191,10 +191,10 @@ impl Cells {
             return Ok(());
         }
         // It may hear this, and the answer be lost.
-        self.wants().told(writer, None);
+        self.wants().forget(writer);
         let told = self.send(supervisor, writer, &ends).await;
         if told.is_ok() {
-            self.wants().told(writer, Some(ends));
+            self.wants().told(writer, ends);
         }
         told
     }
@@ -246,11 +246,6 @@ impl Cells {
     }
 }
 
-/// The component of an in port.
-fn component(inport: &str) -> &str {
-    inport.split('/').next().unwrap_or_default()
-}
-
 /// What became of connections, given by in port, each with the cell of its reader.
 fn look(
     supervisor: &Supervisor,
@@ -265,7 +260,7 @@ fn look(
                 let mut entries = held.connection.iter();
                 there(entries.find(|entry| entry.inport == inport).cloned())
             }
-            None if supervisor.components.get(component(&inport)).is_none() => Found::Away,
+            None if supervisor.components.get(component_of(&inport)).is_none() => Found::Away,
             None => there(supervisor.connections.entry(&inport)),
         };
         (inport, found)

@@ -158,20 +158,19 @@ impl Wants {
         self.with(|state| state.knows(writer, needed))
     }
 
-    /// The process of a component was told this; `None` if that is not certain.
-    pub(crate) fn told(&self, writer: &str, ends: Option<Ends>) {
+    /// The process of a component was told this.
+    pub(crate) fn told(&self, writer: &str, ends: Ends) {
         self.with(|state| {
-            if ends.is_some() {
-                state.failed.remove(writer);
-            }
-            match ends {
-                Some(ends) if ends.is_empty() => drop(state.told.remove(writer)),
-                ends => drop(state.told.insert(writer.to_owned(), ends)),
+            state.failed.remove(writer);
+            if ends.is_empty() {
+                state.told.remove(writer);
+            } else {
+                state.told.insert(writer.to_owned(), Some(ends));
             }
         });
     }
 
-    /// The process of a component was told something before, or another one did it: it is told again.
+    /// What the process of a component was told is not certain: it is told again.
     pub(crate) fn forget(&self, writer: &str) {
         self.with(|state| drop(state.told.insert(writer.to_owned(), None)));
     }
@@ -328,14 +327,14 @@ mod tests {
     fn a_process_is_told_when_something_changed_or_another_one_took_its_place() {
         let wants = made();
         assert_eq!(wants.untold(), ["writer"]);
-        wants.told("writer", Some(ends(&["zenoh"])));
+        wants.told("writer", ends(&["zenoh"]));
         assert!(wants.untold().is_empty());
         wants.begins("writer");
         assert_eq!(wants.untold(), ["writer"]);
-        wants.told("writer", Some(ends(&["zenoh"])));
+        wants.told("writer", ends(&["zenoh"]));
         found(&wants, "a/in", Found::Gone);
         assert_eq!(wants.untold(), ["writer"], "that it is needed no more");
-        wants.told("writer", Some(Ends::new()));
+        wants.told("writer", Ends::new());
         assert!(wants.untold().is_empty() && wants.is_empty());
         // Of one that a daemon before this one told nobody knows what.
         wants.begins("writer");

@@ -47,6 +47,12 @@ pub enum Subject {
     Port(Address),
 }
 
+/// The component in `COMPONENT/PORT`, or in what begins like that, without a look at the rest.
+#[must_use]
+pub fn component_of(address: &str) -> &str {
+    address.split('/').next().unwrap_or_default()
+}
+
 impl Address {
     /// `PORT`, or `PORT/ELEMENT`.
     #[must_use]

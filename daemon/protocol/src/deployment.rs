@@ -7,7 +7,7 @@ use serde::{Deserialize, Deserializer, Serialize, de};
 use serde_json::{Map, Value};
 
 use crate::on_failure::{is_empty, no_inputs};
-use crate::{Address, LoadRequest, Place, Policy, is_false};
+use crate::{Address, LoadRequest, Place, Policy, component_of, is_false};
 
 /// A connection to make, and to make again whenever one side comes back: an in port reads an out
 /// port, or a remote (`uses`) calls a service.
@@ -124,7 +124,7 @@ impl ConnectionEntry {
     /// Name of the instance that reads the port or calls the service.
     #[must_use]
     pub fn reader(&self) -> &str {
-        self.inport.split('/').next().unwrap_or_default()
+        component_of(&self.inport)
     }
 }
 

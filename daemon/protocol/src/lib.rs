@@ -87,7 +87,7 @@ pub use about::{About, Ready, ReadyParameters, Stopping};
 pub use activities::{
     Aborted, AbortedActivity, Activities, Activity, AllAborted, LookParameters, Status,
 };
-pub use address::{Address, Place, Subject};
+pub use address::{Address, Place, Subject, component_of};
 pub use backends::{BackendNames, MoveRequest, Moved, NeededEnds};
 pub use blackbox::{BlackBox, BlackBoxFile, BlackBoxLeft, BlackBoxPart};
 pub use cells::{Cell, CellEnds, CellState, Cells, RestartPolicy};
@@ -135,7 +135,7 @@ pub use ports::{
 pub use quality::{PortQos, QosEntry};
 pub use refusal::{Reason, Refusal};
 pub use reload::{ComponentReload, ReloadRequest};
-pub use remap::{BadRemap, Remap, Renamed, renamed};
+pub use remap::{BadRemap, Remap, Renamed, is_ros_part, renamed};
 pub use remedies::{Choice, Remedy};
 pub use replay::Replayed;
 pub use right::Right;

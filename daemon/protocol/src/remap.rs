@@ -58,15 +58,18 @@ pub enum BadRemap {
     Whole(String),
 }
 
+/// Whether this may stand between the slashes of a name in ROS: letters, digits and `_`, the first of
+/// which is no digit (design.ros2.org, "Topic and Service name mapping to DDS").
+#[must_use]
+pub fn is_ros_part(part: &str) -> bool {
+    let mut letters = part.chars();
+    letters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_')
+        && letters.all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
 /// Whether ROS takes this as a name, with slashes between its parts.
 fn is_ros_name(name: &str) -> bool {
-    let legal = |part: &str| {
-        let mut letters = part.chars();
-        letters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_')
-            && letters.all(|c| c.is_ascii_alphanumeric() || c == '_')
-            && !part.contains("__")
-    };
-    name.split('/').all(legal)
+    name.split('/').all(|part| is_ros_part(part) && !part.contains("__"))
 }
 
 impl FromStr for Remap {

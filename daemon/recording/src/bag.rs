@@ -10,9 +10,11 @@ use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use genom_protocol::is_ros_part;
 use mcap::records::MessageHeader;
-use mcap::{Channel, McapError, WriteOptions};
+use mcap::{Channel, McapError};
 
+use crate::file::{words, written_by};
 use crate::read::Recording;
 use crate::read::error::ReadError;
 
@@ -64,11 +66,7 @@ pub enum BagError {
 }
 
 fn unwritten(path: &Path, why: &McapError) -> BagError {
-    let why = match why {
-        McapError::Io(why) => why.to_string(),
-        why => why.to_string(),
-    };
-    BagError::Write { path: path.to_owned(), why }
+    BagError::Write { path: path.to_owned(), why: words(why) }
 }
 
 /// A topic of a bag.
@@ -111,14 +109,9 @@ impl Span {
     }
 }
 
-/// Whether ROS takes this as the name of a topic: parts of letters, digits and `_`, none of which
-/// begins with a digit (design.ros2.org, "Topic and Service name mapping to DDS").
+/// Whether ROS takes this as the name of a topic.
 fn is_topic(name: &str) -> bool {
-    let part = |part: &str| {
-        part.chars().all(|one| one.is_ascii_alphanumeric() || one == '_')
-            && part.chars().next().is_some_and(|first| !first.is_ascii_digit())
-    };
-    name.strip_prefix('/').unwrap_or(name).split('/').all(part)
+    name.strip_prefix('/').unwrap_or(name).split('/').all(is_ros_part)
 }
 
 /// Whether this is the name of a message: `demo/msg/State`.
@@ -185,9 +178,8 @@ fn fill(
     let path = into.join(SAMPLES);
     let failed = |why: McapError| unwritten(&path, &why);
     let file = File::create_new(&path).map_err(|why| failed(why.into()))?;
-    let library = format!("{program} {}", env!("CARGO_PKG_VERSION"));
-    let options = WriteOptions::new().compression(None).library(library).profile("ros2");
-    let mut writer = options.create(BufWriter::new(file)).map_err(failed)?;
+    let mut writer =
+        written_by(program).profile("ros2").create(BufWriter::new(file)).map_err(failed)?;
     let mut topics: BTreeMap<String, BagTopic> = BTreeMap::new();
     // Their numbers in the bag, by those in the recording. A component that was unloaded and loaded
     // again has two channels of the same topic, which are one in the bag.

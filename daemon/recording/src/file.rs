@@ -257,8 +257,7 @@ fn begin(
     file: Counted<BufWriter<File>>,
     start: &Start,
 ) -> Result<Writer<Counted<BufWriter<File>>>, McapError> {
-    let library = format!("{program} {}", env!("CARGO_PKG_VERSION"));
-    let mut writer = WriteOptions::new().compression(None).library(library).create(file)?;
+    let mut writer = written_by(program).create(file)?;
     writer.write_metadata(&Metadata {
         name: "genom".to_owned(),
         metadata: BTreeMap::from([
@@ -276,10 +275,22 @@ fn begin(
     Ok(writer)
 }
 
-fn broken(path: &Path, written: &AtomicU64, why: &McapError) -> WriteError {
-    let why = match why {
+/// Options of all files that are written here; `program` is who writes.
+#[must_use]
+pub fn written_by(program: &str) -> WriteOptions {
+    let library = format!("{program} {}", env!("CARGO_PKG_VERSION"));
+    WriteOptions::new().compression(None).library(library)
+}
+
+/// Why a file cannot be written, in the system's own words if it is the system that refuses.
+pub(crate) fn words(why: &McapError) -> String {
+    match why {
         McapError::Io(why) => why.to_string(),
         why => why.to_string(),
-    };
-    WriteError::Broken { path: path.to_owned(), written: written.load(Ordering::Relaxed), why }
+    }
+}
+
+fn broken(path: &Path, written: &AtomicU64, why: &McapError) -> WriteError {
+    let (written, why) = (written.load(Ordering::Relaxed), words(why));
+    WriteError::Broken { path: path.to_owned(), written, why }
 }

@@ -10,7 +10,7 @@ mod replay;
 mod room;
 
 pub use bag::{BagError, BagTopic, Bagged, samples_of, write_bag};
-pub use file::{ChannelSummary, Recorder, WriteError};
+pub use file::{ChannelSummary, Recorder, WriteError, written_by};
 pub use read::error::ReadError;
 pub use read::walk::{Extent, Part, records, walk};
 pub use read::{Glance, Recorded, Recording, glance};

@@ -5,9 +5,9 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::PathBuf;
 
-use genom_recording::{Extent, Part, ReadError, records, walk};
+use genom_recording::{Extent, Part, ReadError, records, walk, written_by};
 use mcap::records::{Metadata, Record};
-use mcap::{Attachment, McapError, WriteOptions, Writer};
+use mcap::{Attachment, McapError, Writer};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
@@ -83,9 +83,7 @@ enum CopyError {
 impl Copy {
     fn all(&mut self, args: &Args) -> Result<Extent, CopyError> {
         let file = File::create(&args.output).map_err(McapError::from)?;
-        let library = format!("genomctl {}", env!("CARGO_PKG_VERSION"));
-        let options = WriteOptions::new().compression(None).library(library);
-        let mut writer = options.create(BufWriter::new(file))?;
+        let mut writer = written_by("genomctl").create(BufWriter::new(file))?;
         let mut recovered = BTreeMap::new();
         let extent = walk(&args.file, |part| match part {
             Part::Chunk { records: bytes, .. } => {

@@ -10,7 +10,7 @@ use genom_configuration::terms;
 use genom_doors::{Body, RpcError};
 use genom_protocol::{
     Code, Connection as Made, ConnectionKind, ConnectionRequest, Connections, Disconnected,
-    NoPolicy,
+    NoPolicy, component_of,
 };
 use genom_supervisor::Supervisor;
 use genom_supervisor::connections::{self, ConnectError, Patience};
@@ -67,7 +67,7 @@ async fn make(
     cells: Arc<Cells>,
     wanted: ConnectionRequest,
 ) -> Result<(StatusCode, Json<Made>), RpcError> {
-    let reader = wanted.inport.split('/').next().unwrap_or_default();
+    let reader = component_of(&wanted.inport);
     if let Some(cell) = cells.of(reader) {
         let made = cells.connect(&supervisor, &cell, &wanted).await;
         return made.map(|made| (StatusCode::CREATED, Json(made))).map_err(rpc::cells::refused);

@@ -8,7 +8,7 @@ use axum::extract::State;
 use genom_cells::{Cell, Cells};
 use genom_doors::RpcError;
 use genom_protocol::address::NoAddress;
-use genom_protocol::{Address, Replayed, replay};
+use genom_protocol::{Address, Replayed, component_of, replay};
 use genom_supervisor::Supervisor;
 use genom_supervisor::connections::feed::FeedError;
 
@@ -71,7 +71,7 @@ pub(super) async fn all(
 /// The process of the first sample, and how many bytes have its samples until the next process. Only
 /// whole samples count; `None` if the first is not.
 fn run(bytes: &[u8], of: impl Fn(&str) -> Option<Arc<Cell>>) -> Option<(Option<Arc<Cell>>, usize)> {
-    let cell_of = |inport: &str| of(inport.split('/').next().unwrap_or_default());
+    let cell_of = |inport: &str| of(component_of(inport));
     let (inport, _, mut rest) = replay::first(bytes)?;
     let cell = cell_of(inport);
     while let Some((inport, _, after)) = replay::first(rest) {

@@ -1,6 +1,6 @@
 //! What a deployment says of a component that ROS manages.
 
-use genom_protocol::{CallEntry, ConnectionEntry, Deployment, LoadRequest};
+use genom_protocol::{CallEntry, ConnectionEntry, Deployment, LoadRequest, component_of};
 
 /// A component that ROS loads and starts, and what of the deployment goes with it.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,7 +58,7 @@ pub fn take(names: &[String], deployment: &mut Deployment) -> Vec<Managed> {
 /// The instance that has the out port or the service: without the middleware in front.
 fn writer(entry: &ConnectionEntry) -> &str {
     let address = entry.outport.split_once(':').map_or(&*entry.outport, |(_, address)| address);
-    address.split('/').next().unwrap_or_default()
+    component_of(address)
 }
 
 #[cfg(test)]

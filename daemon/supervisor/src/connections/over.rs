@@ -74,8 +74,9 @@ impl Connections {
         let needs = &self.opening.needs;
         let wanted: BTreeMap<Address, BTreeSet<String>> = ports
             .iter()
-            .map(|(port, over)| (Address::new(component, port), over.names().to_vec()))
-            .map(|(outport, over)| (outport, over.into_iter().collect()))
+            .map(|(port, over)| {
+                (Address::new(component, port), over.names().iter().cloned().collect())
+            })
             .collect();
         // Before others have to wait: a middleware may have to be started.
         let mut refused: Vec<(Need, ConnectError)> = self.unreachable(component, &wanted);

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
 
+use genom_protocol::component_of;
 use genom_runtime::Clock;
 use serde_json::Value;
 
@@ -287,7 +288,7 @@ pub(super) fn take_back(supervisor: &Arc<Supervisor>, undo: Vec<Undo>) -> Vec<St
             }
             Undo::Reconnect { inport, before } => {
                 let undone = put_back(connections, &inport, before.as_ref());
-                (inport.split('/').next().unwrap_or_default().to_owned(), undone)
+                (component_of(&inport).to_owned(), undone)
             }
             Undo::Request(mut requested) => {
                 let component = requested.entry.component.clone();

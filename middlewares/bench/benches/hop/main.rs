@@ -11,6 +11,7 @@
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a program that prints figures")]
 
+mod ends;
 mod gateway;
 mod ours;
 mod ports;

@@ -1,26 +1,11 @@
-//! The ends of ports, as codels use them through the runtime.
+//! An out port of each kind of type, and the in port that reads it.
 
+use genom_bench::octets;
 use genom_bench::pair::{Receive, Send};
-use genom_bench::{FloorError, octets};
-use genom_middleware::{Address, Middleware, Policy, PortSpec, Publisher, Reading, Subscription};
+use genom_middleware::{Address, Middleware, Policy};
 use genom_types::Record;
 
-struct Out(Box<dyn Publisher>, Record);
-
-struct In(Box<dyn Subscription>, Record);
-
-impl Send for Out {
-    fn send(&mut self) -> Result<(), FloorError> {
-        self.0.publish(&self.1).unwrap();
-        Ok(())
-    }
-}
-
-impl Receive for In {
-    fn arrived(&mut self) -> Result<bool, FloorError> {
-        Ok(self.0.read(&mut self.1) == Ok(Reading::New))
-    }
-}
+use crate::ends::{reader, writer};
 
 fn values(bytes: usize) -> [(Address, Record); 2] {
     let at = |kind| Address::new("bench", format!("{kind}{bytes}"));
@@ -28,15 +13,9 @@ fn values(bytes: usize) -> [(Address, Record); 2] {
 }
 
 pub(crate) fn writers(of: &dyn Middleware, bytes: usize) -> [Box<dyn Send>; 2] {
-    values(bytes).map(|(at, value)| {
-        Box::new(Out(of.publisher(&PortSpec::new(&at, value.ty())).unwrap(), value))
-            as Box<dyn Send>
-    })
+    values(bytes).map(|(at, value)| writer(of, &at, value))
 }
 
 pub(crate) fn readers(of: &dyn Middleware, bytes: usize) -> [Box<dyn Receive>; 2] {
-    values(bytes).map(|(at, value)| {
-        let reader = of.subscription(&PortSpec::new(&at, value.ty()), Policy::Latest).unwrap();
-        Box::new(In(reader, value)) as Box<dyn Receive>
-    })
+    values(bytes).map(|(at, value)| reader(of, &at, value, Policy::Latest))
 }

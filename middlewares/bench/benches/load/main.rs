@@ -11,6 +11,8 @@
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a program that prints figures")]
 
 mod calls;
+#[path = "../hop/ends.rs"]
+mod ends;
 #[path = "../hop/ours.rs"]
 mod ours;
 mod reading;

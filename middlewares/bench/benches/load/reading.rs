@@ -8,9 +8,9 @@ use std::thread;
 
 use genom_bench::pair::Receive;
 use genom_bench::{FloorError, bare, clock, octets};
-use genom_middleware::{Address, Middleware, Policy, PortSpec, Reading, Subscription};
-use genom_types::Record;
+use genom_middleware::{Address, Middleware, Policy};
 
+use crate::ends::reader;
 use crate::{FLOWS, Flow, Way, calls, carrier, ours, usage};
 
 /// Nanoseconds from one look for samples to the next, like a task of 1 kHz.
@@ -22,27 +22,14 @@ const STRAGGLERS: u32 = 500;
 /// Unread samples that a port keeps.
 const KEPT: usize = 8;
 
-struct In(Box<dyn Subscription>, Record);
-
-impl Receive for In {
-    fn arrived(&mut self) -> Result<bool, FloorError> {
-        Ok(self.0.read(&mut self.1) == Ok(Reading::New))
-    }
-}
-
 pub(crate) fn topic(number: usize) -> Address {
     Address::new("bench", format!("topic{number}"))
 }
 
 fn ports(of: &dyn Middleware, flow: &Flow) -> Vec<Box<dyn Receive>> {
     let value = octets::sequence(flow.bytes);
-    (0..flow.topics)
-        .map(|number| {
-            let at = topic(number);
-            let reader = of.subscription(&PortSpec::new(&at, value.ty()), Policy::Ring(KEPT));
-            Box::new(In(reader.unwrap(), value.clone())) as Box<dyn Receive>
-        })
-        .collect()
+    let one = |number| reader(of, &topic(number), value.clone(), Policy::Ring(KEPT));
+    (0..flow.topics).map(one).collect()
 }
 
 fn tell(line: &str) -> io::Result<()> {

@@ -9,10 +9,10 @@ use std::thread;
 use std::time::Duration;
 
 use genom_bench::pair::Send;
-use genom_bench::{FloorError, bare, clock, octets};
-use genom_middleware::{Middleware, PortSpec, Publisher};
-use genom_types::Record;
+use genom_bench::{bare, clock, octets};
+use genom_middleware::Middleware;
 
+use crate::ends::writer;
 use crate::reading::topic;
 use crate::{FLOWS, Flow, READER, Way, carrier, ours, usage};
 
@@ -21,15 +21,6 @@ const MEETING: u64 = 50_000_000;
 
 /// Nanoseconds that all readers may take until they have got one.
 const PATIENCE: u64 = 20_000_000_000;
-
-struct Out(Box<dyn Publisher>, Record);
-
-impl Send for Out {
-    fn send(&mut self) -> Result<(), FloorError> {
-        self.0.publish(&self.1).unwrap();
-        Ok(())
-    }
-}
 
 /// The reading process.
 pub(crate) struct Reader {
@@ -92,12 +83,7 @@ impl Reader {
 
 fn ports(of: &dyn Middleware, flow: &Flow) -> Vec<Box<dyn Send>> {
     let value = octets::sequence(flow.bytes);
-    (0..flow.topics)
-        .map(|number| {
-            let writer = of.publisher(&PortSpec::new(&topic(number), value.ty())).unwrap();
-            Box::new(Out(writer, value.clone())) as Box<dyn Send>
-        })
-        .collect()
+    (0..flow.topics).map(|number| writer(of, &topic(number), value.clone())).collect()
 }
 
 /// What became of what was sent.

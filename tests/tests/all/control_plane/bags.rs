@@ -4,10 +4,10 @@ use std::path::Path;
 use std::process::Command;
 
 use genom_components::python;
-use genom_tests::{Daemon, Finished, Running, path, repository};
+use genom_tests::{Finished, Running, path, repository};
 use serde_json::{Value, json};
 
-use super::recording::{motion, read};
+use super::recording::{fed, motion, read};
 
 fn rosbags(arguments: &[&str]) -> Finished {
     // As for the tests of `genomctl ros2-package`, so that there is one environment for both.
@@ -29,16 +29,6 @@ fn content(bag: &Path) -> Value {
 fn recorded(topics: &Value, topic: &str) -> Value {
     let samples = topics[topic].as_array().expect(topic).iter();
     samples.map(|sample| json!([sample[0], sample[2]])).collect()
-}
-
-/// A motion while the gain is set three times.
-fn fed() -> (Value, std::path::PathBuf, Daemon) {
-    motion(|daemon| {
-        for (gain, time) in [("0.5", "100ms"), ("0.125", "35ms"), ("1", "200ms")] {
-            daemon.ctl(&["pub", "demo/parameter", gain]).expect_code(0);
-            daemon.ctl(&["step", time]).expect_code(0);
-        }
-    })
 }
 
 #[test]

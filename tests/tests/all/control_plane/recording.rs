@@ -171,14 +171,19 @@ pub(crate) fn motion(feed: impl FnOnce(&Daemon)) -> (Value, PathBuf, Daemon) {
     (read(&file)["/demo/position"].clone(), file, daemon)
 }
 
-#[test]
-fn a_replay_on_the_stepped_clock_gives_the_same_motion() {
-    let (first, file, _daemon) = motion(|daemon| {
+/// The same while the gain is set three times.
+pub(crate) fn fed() -> (Value, PathBuf, Daemon) {
+    motion(|daemon| {
         for (gain, time) in [("0.5", "100ms"), ("0.125", "35ms"), ("1", "200ms")] {
             daemon.ctl(&["pub", "demo/parameter", gain]).expect_code(0);
             daemon.ctl(&["step", time]).expect_code(0);
         }
-    });
+    })
+}
+
+#[test]
+fn a_replay_on_the_stepped_clock_gives_the_same_motion() {
+    let (first, file, _daemon) = fed();
     let (again, _, _daemon) = motion(|daemon| {
         let replayed = daemon.json(&["replay", "--step", path(&file)]);
         assert_eq!(replayed["ports"], json!([{"port": "demo/parameter", "published": 3}]));
