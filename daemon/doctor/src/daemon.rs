@@ -5,7 +5,7 @@ use std::path::Path;
 
 use genom_protocol::{
     Cell, CellState, Components, Diagnosis, Finding, Middleware, Refused, Remedy, Statistics,
-    advice, routes,
+    Trouble, advice, routes,
 };
 
 use crate::codels;
@@ -37,6 +37,7 @@ pub fn of_daemon(seen: &Seen) -> Vec<Diagnosis> {
     let versions: Vec<_> = middlewares.iter().map(|one| one.version.as_str()).collect();
     let mut found = vec![Diagnosis::ok("middlewares", versions.join("; "))];
     found.extend(middlewares.iter().flat_map(refused));
+    found.extend(middlewares.iter().flat_map(trouble));
     found.extend(shared_memory(middlewares));
     if let Some(ros2) = middlewares.iter().find(|one| one.name == "ros2") {
         found.extend(ros::nodes(&Machine::at(Path::new("/")), &ros2.meet).into_iter().flatten());
@@ -73,6 +74,18 @@ fn refused(middleware: &Middleware) -> impl Iterator<Item = Diagnosis> {
         let fix = format!("see who sends that; configs/{name}.toml tells of limits");
         Diagnosis::note("refused", what, fix)
     })
+}
+
+/// What keeps a middleware from others, or why it is not open.
+fn trouble(middleware: &Middleware) -> Vec<Diagnosis> {
+    let name = &middleware.name;
+    let closed = middleware.closed.iter().map(|why| {
+        let fix = format!("correct [backends.{name}]; configs/{name}.toml tells of its keys");
+        Diagnosis::problem(name, format!("it was needed and could not be opened: {why}"), fix)
+    });
+    let told =
+        |Trouble { what, fix }: &Trouble| Diagnosis::problem(name, what.as_str(), fix.as_str());
+    closed.chain(middleware.trouble.iter().map(told)).collect()
 }
 
 /// Stale and damaged segments in the shared memory that this daemon uses.

@@ -23,7 +23,9 @@ pub(crate) async fn read(session: &Session, window: Option<Duration>) -> Result<
         components: session.ask(routes::components()).await?.content.components,
         connections: session.ask(routes::connections()).await?.content.connections,
         middlewares: session
-            .ask(routes::middlewares().with(&MiddlewareParameters { visible: true }))
+            .ask(
+                routes::middlewares().with(&MiddlewareParameters { visible: true, trouble: false }),
+            )
             .await
             .ok()
             .map(|reply| reply.content),

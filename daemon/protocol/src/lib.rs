@@ -120,7 +120,7 @@ pub use load::{LoadRequest, TaskEntry};
 pub use logs::{Level, LogEntry, LogParameters, Logs};
 pub use middlewares::{
     Capabilities, Endpoint, EndpointKind, Middleware, MiddlewareParameters, Middlewares, Refused,
-    Stranger,
+    Stranger, Trouble,
 };
 pub use notes::NoteKind;
 pub use on_failure::{Act, Deed, NoReaction, Reaction};

@@ -8,7 +8,7 @@ use strum::Display;
 
 use crate::is_false;
 
-/// `?visible=true`
+/// `?visible=true&trouble=true`
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[cfg_attr(
@@ -20,6 +20,9 @@ pub struct MiddlewareParameters {
     /// Include what is visible on open middlewares.
     #[serde(default, skip_serializing_if = "is_false")]
     pub visible: bool,
+    /// Include what keeps open middlewares from others, which may take some seconds.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub trouble: bool,
 }
 
 /// The middlewares of the daemon.
@@ -55,9 +58,25 @@ pub struct Middleware {
     /// Harmful messages of peers that were dropped, by reason.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub refused: Vec<Refused>,
+    /// What keeps it from others.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub trouble: Vec<Trouble>,
+    /// Why it was not opened when it was needed last; nothing once it is open.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub closed: Option<String>,
     /// Why the visible endpoints cannot be listed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub problem: Option<String>,
+}
+
+/// What keeps a middleware from others.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub struct Trouble {
+    /// The cause, as a sentence without a full stop.
+    pub what: String,
+    /// What to do about it.
+    pub fix: String,
 }
 
 /// What a middleware supports.

@@ -38,6 +38,8 @@ pub struct Backends {
     pub(crate) open: Mutex<Open>,
     /// Locked while one is being opened, which may take long: others can be used meanwhile.
     opening: Mutex<()>,
+    /// Why middlewares were not opened when they were needed last, by name.
+    closed: Mutex<BTreeMap<&'static str, String>>,
     /// Called with each middleware when it opens.
     opens: RwLock<Vec<Box<OnOpen>>>,
     /// The foreign names that descriptions ask for, each with its number of holders. If several
@@ -60,6 +62,7 @@ impl Backends {
             simulated: false,
             open: Mutex::default(),
             opening: Mutex::default(),
+            closed: Mutex::default(),
             opens: RwLock::default(),
             masquerades: Mutex::default(),
         }
@@ -104,9 +107,11 @@ impl Backends {
             return Ok(middleware);
         }
         let known = check(name)?;
-        let opened = self.make(&known);
-        let middleware =
-            opened.map_err(|why| BackendError::Closed { name: name.to_owned(), why })?;
+        let middleware = self.make(&known).map_err(|why| {
+            self.failures().insert(known.name, why.to_string());
+            BackendError::Closed { name: name.to_owned(), why }
+        })?;
+        self.failures().remove(known.name);
         if self.simulated {
             middleware.simulated_time();
         }
@@ -121,6 +126,16 @@ impl Backends {
         let opens = self.opens.read().unwrap_or_else(PoisonError::into_inner);
         opens.iter().for_each(|told| told(&middleware));
         Ok(middleware)
+    }
+
+    fn failures(&self) -> MutexGuard<'_, BTreeMap<&'static str, String>> {
+        self.closed.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Why the middleware of that name was not opened when it was needed last, unless it is open
+    /// now or was never needed.
+    pub fn closed(&self, name: &str) -> Option<String> {
+        self.failures().get(name).cloned()
     }
 
     /// Adds an open middleware that the program provides itself, under that middleware's own name.

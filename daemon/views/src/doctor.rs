@@ -8,7 +8,8 @@ use axum::{Extension, Json};
 use genom_doctor::{Machine, Seen, multicast, of_daemon, of_files};
 use genom_doors::{Own, Parameters, RpcError};
 use genom_protocol::{
-    Address, Components, Diagnosis, DoctorParameters, Examined, Finding, PortParameters, routes,
+    Address, Components, Diagnosis, DoctorParameters, Examined, Finding, MiddlewareParameters,
+    PortParameters, routes,
 };
 
 use crate::together::Together;
@@ -55,7 +56,8 @@ async fn machine() -> Result<Vec<Diagnosis>, RpcError> {
 /// What is asked; what does not answer is left out.
 async fn look(own: &Own) -> Seen {
     let none = || Components { components: vec![], loading: vec![], left_behind: vec![] };
-    let middlewares = own.read(&routes::middlewares()).await;
+    let examine = MiddlewareParameters { trouble: true, ..Default::default() };
+    let middlewares = own.read(&routes::middlewares().with(&examine)).await;
     let cells = own.read(&routes::cells()).await;
     let components = own.read(&routes::components()).await.unwrap_or_else(none);
     let mut statistics = BTreeMap::new();

@@ -81,6 +81,11 @@ pub trait Middleware: Ports + Send + Sync {
         let _ = tasks;
     }
 
+    /// What keeps this process from others on this middleware, as a whole. May take some seconds.
+    fn trouble(&self) -> Vec<Obstacle> {
+        Vec::new()
+    }
+
     /// Harmful input from peers that was refused, counted by reason.
     fn refused(&self) -> Vec<Refused> {
         Vec::new()

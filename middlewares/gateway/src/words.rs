@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 /// Both sides must have the same number. It changes with the meaning of what is sent.
-pub(crate) const PROTOCOL: u32 = 2;
+pub(crate) const PROTOCOL: u32 = 3;
 
 /// From a proxy to its gateway.
 #[derive(Debug, Serialize, Deserialize)]
@@ -183,6 +183,7 @@ pub(crate) enum Question {
     Strangers,
     Obstacles(Address),
     Refused,
+    Trouble,
     Mask {
         ours: String,
         foreign: String,

@@ -159,6 +159,10 @@ impl Middleware for Ros2 {
         self.diagnostics.put(&self.ros, tasks);
     }
 
+    fn trouble(&self) -> Vec<Obstacle> {
+        self.ros.rmw.trouble()
+    }
+
     fn refused(&self) -> Vec<Refused> {
         self.ros.rmw.refused()
     }

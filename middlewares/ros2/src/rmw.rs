@@ -200,6 +200,11 @@ pub(crate) trait Rmw: Send + Sync {
     /// What keeps ends of others on a topic from connecting to ours.
     fn obstacles(&self, at: &Address, topic: &str) -> Vec<Obstacle>;
 
+    /// What keeps this process from others. May take some seconds.
+    fn trouble(&self) -> Vec<Obstacle> {
+        Vec::new()
+    }
+
     fn refused(&self) -> Vec<Refused> {
         Vec::new()
     }

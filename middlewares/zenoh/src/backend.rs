@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use genom_middleware::{
-    Backend, Capabilities, DiscoverError, Discovery, Endpoint, Middleware, Relay, Services,
-    Stranger,
+    Backend, Capabilities, DiscoverError, Discovery, Endpoint, Middleware, Obstacle, Relay,
+    Services, Stranger,
 };
+use genom_zenoh_doctor::plain;
 use zenoh::key_expr::OwnedKeyExpr;
 use zenoh::{Session, Wait};
 
@@ -16,6 +17,7 @@ use crate::error::{BACKEND, SessionError};
 use crate::keys::Keys;
 use crate::options::Options;
 use crate::rendezvous::{self, Rendezvous};
+use crate::trouble;
 
 /// A zenoh session as a middleware.
 pub struct Zenoh {
@@ -37,8 +39,9 @@ impl Zenoh {
         {
             return Err(SessionError::Prefix(prefix.to_owned()));
         }
+        let alone = options.to_zenoh(None, &[])?;
         let (rendezvous, session) = match options.meeting() {
-            None => (None, open(options, options.to_zenoh(None, &[])?)?),
+            None => (None, open(options, alone.clone())?),
             Some(directory) => {
                 let entered = Rendezvous::enter(directory).map_err(|source| {
                     SessionError::Rendezvous { path: directory.to_owned(), source }
@@ -59,7 +62,7 @@ impl Zenoh {
         if let Some(directory) = options.sole_meeting() {
             meeting.push(("rendezvous".into(), directory.display().to_string()));
         }
-        let core = Core::new(session, keys, rendezvous)?;
+        let core = Core::new((session, alone), keys, rendezvous)?;
         Ok(Arc::new(Self { meeting, core }))
     }
 
@@ -73,7 +76,7 @@ impl Zenoh {
 }
 
 fn open(options: &Options, config: zenoh::Config) -> Result<Session, SessionError> {
-    let opened = apart(|| zenoh::open(config).wait().map_err(|error| error.to_string()));
+    let opened = apart(|| zenoh::open(config).wait().map_err(|error| plain(&error.to_string())));
     let opened = opened.unwrap_or_else(|| Err("it panicked; see standard error".to_owned()));
     let secret = options.connect.iter().any(|endpoint| endpoint.starts_with("tls/"));
     opened.map_err(if secret { SessionError::Refused } else { SessionError::Open })
@@ -121,6 +124,10 @@ impl Middleware for Zenoh {
 
     fn discovery(&self) -> Option<&dyn Discovery> {
         Some(self)
+    }
+
+    fn trouble(&self) -> Vec<Obstacle> {
+        trouble::trouble(&self.core)
     }
 
     fn relay(&self) -> Option<&dyn Relay> {

@@ -24,6 +24,8 @@ use crate::sending::{Orders, Outgoing};
 /// What all ends share. The session closes when the last one is dropped.
 pub(crate) struct Core {
     session: Session,
+    /// What it was opened with, without the sessions that it met.
+    config: zenoh::Config,
     keys: Keys,
     graph: Arc<Graph>,
     daemons: Arc<Daemons>,
@@ -31,7 +33,7 @@ pub(crate) struct Core {
     /// Name of this session in liveliness tokens.
     name: String,
     /// Its files are removed last.
-    _rendezvous: Option<Rendezvous>,
+    rendezvous: Option<Rendezvous>,
     orders: Orders,
 }
 
@@ -54,7 +56,7 @@ impl Drop for Core {
 impl Core {
     /// Starts the sending thread, and begins to watch for ends of other sessions.
     pub(crate) fn new(
-        session: Session,
+        (session, config): (Session, zenoh::Config),
         keys: Keys,
         rendezvous: Option<Rendezvous>,
     ) -> Result<Arc<Self>, SessionError> {
@@ -62,11 +64,12 @@ impl Core {
         let sender = Sender::start("zenoh", true, Outgoing { session: session.clone() });
         let sender = sender.map_err(|error| failed(&error))?;
         let core = Arc::new(Self {
+            config,
             keys,
             graph: Arc::default(),
             daemons: Arc::default(),
             name: session.zid().to_string(),
-            _rendezvous: rendezvous,
+            rendezvous,
             orders: sender.orders().clone(),
             sender: Some(sender),
             session,
@@ -77,6 +80,15 @@ impl Core {
 
     pub(crate) fn session(&self) -> &Session {
         &self.session
+    }
+
+    pub(crate) fn config(&self) -> &zenoh::Config {
+        &self.config
+    }
+
+    /// Whether it finds others by their sockets in a folder.
+    pub(crate) fn meets(&self) -> bool {
+        self.rendezvous.is_some()
     }
 
     pub(crate) fn orders(&self) -> &Orders {

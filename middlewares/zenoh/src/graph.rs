@@ -129,6 +129,12 @@ impl Graph {
         state.tokens.values().flatten().map(|token| token.session.clone()).collect()
     }
 
+    /// The ends of a session.
+    pub(crate) fn ours(&self, own: &str) -> Vec<Token> {
+        let state = self.lock();
+        state.tokens.values().flatten().filter(|token| token.session == own).cloned().collect()
+    }
+
     /// Addresses of a session's out ports that no known end of another session reads.
     pub(crate) fn unread(&self, own: &str) -> Vec<String> {
         let state = self.lock();

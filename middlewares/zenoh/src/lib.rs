@@ -50,6 +50,7 @@ mod service;
 mod services;
 mod settings;
 mod strangers;
+mod trouble;
 mod wire;
 
 pub use backend::Zenoh;

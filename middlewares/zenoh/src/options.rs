@@ -104,7 +104,7 @@ impl Options {
         let mut config = match &self.config_file {
             Some(path) => Config::from_file(path).map_err(|error| SessionError::ConfigFile {
                 path: path.clone(),
-                why: error.to_string(),
+                why: genom_zenoh_doctor::mistake(&error.to_string()),
             })?,
             None => Config::default(),
         };

@@ -8,7 +8,7 @@ use genom_doors::{Parameters, RpcError};
 use genom_middleware as middleware;
 use genom_protocol::{
     Capabilities, Endpoint, EndpointKind, Middleware, MiddlewareParameters, Middlewares, Refused,
-    Stranger,
+    Stranger, Trouble,
 };
 use genom_registry::Known;
 use genom_supervisor::Supervisor;
@@ -25,14 +25,14 @@ pub(crate) async fn list(
     State(supervisor): State<Arc<Supervisor>>,
     Parameters(parameters): Parameters<MiddlewareParameters>,
 ) -> Result<Json<Middlewares>, RpcError> {
-    let visible = parameters.visible;
     // Discovery may have to ask other processes, and blocks.
-    tokio::task::spawn_blocking(move || Json(described(&supervisor, visible)))
+    tokio::task::spawn_blocking(move || Json(described(&supervisor, &parameters)))
         .await
         .map_err(|error| RpcError::internal(error.to_string()))
 }
 
-fn described(supervisor: &Supervisor, visible: bool) -> Middlewares {
+fn described(supervisor: &Supervisor, wanted: &MiddlewareParameters) -> Middlewares {
+    let MiddlewareParameters { visible, trouble } = *wanted;
     let described = |known: &Known| {
         let open = supervisor.backends.opened(known.name);
         let seen = open.as_ref().filter(|_| visible).map(|open| open.discover());
@@ -42,6 +42,7 @@ fn described(supervisor: &Supervisor, visible: bool) -> Middlewares {
             Some(Err(error)) => (None, Some(error.to_string())),
         };
         let looked = open.iter().filter(|_| visible);
+        let examined = open.iter().filter(|_| trouble);
         let meet = open.iter().flat_map(|open| open.meeting_point());
         Middleware {
             strangers: looked.flat_map(|open| open.strangers()).map(stranger).collect(),
@@ -50,6 +51,8 @@ fn described(supervisor: &Supervisor, visible: bool) -> Middlewares {
             capabilities: open.as_ref().map(|open| capabilities(open.capabilities())),
             meet: meet.map(|(name, value)| (name.into_owned(), value)).collect(),
             refused: open.iter().flat_map(|open| open.refused()).map(refused).collect(),
+            trouble: examined.flat_map(|open| open.trouble()).map(told).collect(),
+            closed: supervisor.backends.closed(known.name),
             endpoints,
             problem,
         }
@@ -88,6 +91,10 @@ fn stranger(of: middleware::Stranger) -> Stranger {
             Stranger::Session { name, role: role.into_owned() }
         }
     }
+}
+
+fn told(of: middleware::Obstacle) -> Trouble {
+    Trouble { what: of.what, fix: of.fix }
 }
 
 fn refused(of: middleware::Refused) -> Refused {

@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 
 use genom_middleware::{
-    Capabilities, Diagnosis, Discovery, LogEntry, Middleware, NoForeignName, Refused, Relay,
-    Services,
+    Capabilities, Diagnosis, Discovery, LogEntry, Middleware, NoForeignName, Obstacle, Refused,
+    Relay, Services,
 };
 
 use super::core::Proxy;
@@ -71,6 +71,13 @@ impl Middleware for Proxy {
 
     fn diagnose(&self, tasks: &[Diagnosis]) {
         let _ = self.shared().say(&Up::Diagnose(tasks.to_vec()), &[]);
+    }
+
+    fn trouble(&self) -> Vec<Obstacle> {
+        match self.shared().ask(&Question::Trouble, &[]) {
+            Ok((Answer::Obstacles(obstacles), _)) => obstacles,
+            _ => Vec::new(),
+        }
     }
 
     fn refused(&self) -> Vec<Refused> {

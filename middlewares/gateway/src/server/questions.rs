@@ -14,6 +14,7 @@ impl Guest {
             Question::Strangers => Answer::Strangers(on.strangers()),
             Question::Obstacles(at) => Answer::Obstacles(on.obstacles(&at)),
             Question::Refused => Answer::Refused(on.refused()),
+            Question::Trouble => Answer::Obstacles(on.trouble()),
             Question::Mask { ours, foreign } => Answer::Masked(on.masquerade(&ours, &foreign)),
             Question::Daemons => match on.relay() {
                 Some(relay) => Answer::Daemons(relay.daemons()),

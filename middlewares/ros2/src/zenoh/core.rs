@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, Weak};
 use genom_kit::sender::Sender;
 use zenoh::liveliness::LivelinessToken;
 use zenoh::sample::{Sample, SampleKind};
-use zenoh::{Session, Wait};
+use zenoh::{Config, Session, Wait};
 
 use super::graph::Graph;
 use super::keys::{self, End, Id, Kind, Node};
@@ -28,6 +28,8 @@ use crate::rmw::{EndError, Gid, Named};
 /// Kept alive by ports and services.
 pub(crate) struct Core {
     session: Session,
+    /// What it was opened with.
+    pub(crate) config: Config,
     pub(crate) domain: u16,
     pub(crate) qos: Qos,
     pub(crate) graph: Arc<Graph>,
@@ -80,7 +82,8 @@ impl Core {
         let settings = Settings::of(options, &domain.networks)?;
         let router = Arc::new(Router::new(settings.router));
         router.run();
-        let session = open(settings.session)?;
+        let config = settings.session;
+        let session = open(config.clone())?;
         let sender = Sender::start(
             "ros2",
             true,
@@ -98,6 +101,7 @@ impl Core {
             orders: sender.orders().clone(),
             sender: Some(sender),
             zid: session.zid().to_string(),
+            config,
             session,
             _router: Arc::clone(&router),
         });

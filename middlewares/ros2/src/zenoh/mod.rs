@@ -18,6 +18,7 @@ mod services;
 mod session;
 mod told;
 mod topics;
+mod trouble;
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -186,6 +187,10 @@ impl Rmw for Zenoh {
         }
         all.dedup();
         all
+    }
+
+    fn trouble(&self) -> Vec<Obstacle> {
+        trouble::trouble(&self.0)
     }
 
     fn refused(&self) -> Vec<Refused> {

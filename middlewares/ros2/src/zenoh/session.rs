@@ -4,6 +4,7 @@
 use std::net::IpAddr;
 use std::path::Path;
 
+use genom_zenoh_doctor::plain;
 use serde_json::json;
 use zenoh::Config;
 
@@ -56,7 +57,7 @@ fn common(config: &mut Config, greatest_sample: u32) -> Result<(), OptionsError>
 fn read(variable: &'static str, file: &str) -> Result<Config, OptionsError> {
     Config::from_file(Path::new(file)).map_err(|why| OptionsError::Zenoh {
         key: format!("{variable}={file}"),
-        why: why.to_string(),
+        why: genom_zenoh_doctor::mistake(&why.to_string()),
     })
 }
 
@@ -170,7 +171,7 @@ fn is_here(endpoint: &str) -> bool {
 /// tokio runtime.
 pub(crate) fn open(config: Config) -> Result<zenoh::Session, ParticipantError> {
     use zenoh::Wait as _;
-    let opened = apart(|| zenoh::open(config).wait().map_err(|error| error.to_string()));
+    let opened = apart(|| zenoh::open(config).wait().map_err(|error| plain(&error.to_string())));
     let opened = opened.unwrap_or_else(|| Err("it panicked; see standard error".to_owned()));
     opened.map_err(ParticipantError::Zenoh)
 }

@@ -11,3 +11,4 @@ mod ros2_peers;
 mod simulated_time;
 mod stalled;
 mod typed_iceoryx2;
+mod zenoh_doctor;

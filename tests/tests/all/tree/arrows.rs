@@ -19,7 +19,8 @@ pub(super) const ARROWS: &[(&str, &[&str])] = &[
     ("genom-local", BACKEND),
     ("genom-example", BACKEND),
     ("genom-shm", BACKEND),
-    ("genom-zenoh", BACKEND),
+    ("genom-zenoh", ZENOH),
+    ("genom-zenoh-doctor", &["genom-middleware"]),
     ("genom-yarp", BACKEND),
     ("genomd-yarp", &["genom-plugin", "genom-yarp"]),
     ("genom-gateway", BACKEND),
@@ -246,7 +247,14 @@ const TELEMETRY: &[&str] = &[
 const MIDDLEWARE: &[&str] = &["genom-middleware", "genom-types"];
 const PLUGIN_HOST: &[&str] = &["genom-kit", "genom-middleware", "genom-plugin-abi", "genom-types"];
 const BACKEND: &[&str] = &["genom-kit", "genom-middleware", "genom-types"];
-const ROS2: &[&str] =
-    &["genom-kit", "genom-middleware", "genom-rosidl", "genom-rtps-guard", "genom-types"];
+const ZENOH: &[&str] = &["genom-kit", "genom-middleware", "genom-types", "genom-zenoh-doctor"];
+const ROS2: &[&str] = &[
+    "genom-kit",
+    "genom-middleware",
+    "genom-rosidl",
+    "genom-rtps-guard",
+    "genom-types",
+    "genom-zenoh-doctor",
+];
 /// Crates at the top: they may use any other.
 pub(super) const TOP: &[&str] = &["genomd", "genom-runner", "genom-tests"];

@@ -216,6 +216,11 @@ impl Graph {
         self.lock().own.values().filter(|own| own.of.name == name).cloned().collect()
     }
 
+    /// All our ends.
+    pub(crate) fn all_ours(&self) -> Vec<Wanted> {
+        self.lock().own.values().cloned().collect()
+    }
+
     pub(crate) fn list(&self) -> Vec<Endpoint> {
         let state = self.lock();
         let short = |types: &str, kind| match kind {

@@ -1,0 +1,28 @@
+//! What a session needs to do with a key, and which messages that takes.
+
+/// What a session needs to do with a key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Publishes.
+    Writes,
+    /// Subscribes.
+    Reads,
+    /// Answers queries.
+    Serves,
+    /// Tells others that something of that name is there.
+    Shows,
+}
+
+impl Role {
+    /// Messages that have to pass, and in which direction.
+    pub(crate) fn needs(self) -> &'static [(&'static str, &'static str)] {
+        match self {
+            Self::Writes => &[("put", "egress")],
+            Self::Reads => &[("declare_subscriber", "egress"), ("put", "ingress")],
+            Self::Serves => {
+                &[("declare_queryable", "egress"), ("query", "ingress"), ("reply", "egress")]
+            }
+            Self::Shows => &[("liveliness_token", "egress")],
+        }
+    }
+}
