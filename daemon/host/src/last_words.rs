@@ -77,15 +77,18 @@ extern "C" fn on_fault(signal: c_int, info: *mut libc::siginfo_t, context: *mut 
     say(name, " in ");
     // SAFETY: the arguments of this handler, which is installed with SA_SIGINFO.
     unsafe { crash_note::of_signal(name, signal, info, context) };
-    let before = BEFORE.get().zip(rank).and_then(|(all, rank)| all.get(rank)?.as_ref());
-    // SAFETY: restores the action that the system returned; the fault then happens again.
+    // SAFETY: the argument of this handler.
+    let was_sent = unsafe { (*info).si_code } <= 0;
+    // The standard library's action waits for a fault to happen again, which what was sent does not.
+    let before = BEFORE.get().zip(rank).filter(|_| !was_sent);
+    let before = before.and_then(|(all, rank)| all.get(rank)?.as_ref());
+    // SAFETY: restores an action that the system knows; a fault then happens again.
     unsafe {
         match before {
             Some(before) => libc::sigaction(signal, before, ptr::null_mut()),
             None => libc::signal(signal, libc::SIG_DFL) as c_int,
         };
-        // A signal that was sent does not recur by itself.
-        if (*info).si_code <= 0 {
+        if was_sent {
             libc::raise(signal);
         }
     }

@@ -36,8 +36,11 @@ const BYTES: u64 = 1 << 20;
 const MEMORY: u64 = 1 << 30;
 /// Most time of a processor that it may take, in seconds.
 const PROCESSOR: u64 = 20;
-/// How long its answer is waited for: it runs when nobody else wants the processor.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// Second argument: it runs as other processes do.
+const NOW: &str = "now";
+/// How long answers are waited for: first of a process that runs when nobody else wants the
+/// processor; where somebody always does, of one that shares it with them.
+const PATIENCE: [Duration; 2] = [Duration::from_secs(3), Duration::from_secs(60)];
 
 /// What is asked of a file: the functions at these offsets in it.
 pub(super) type Offsets = Vec<u64>;
@@ -48,10 +51,30 @@ pub(super) fn look_up(program: &Path, asked: &[(&File, Offsets)]) -> io::Result<
     if asked.is_empty() {
         return Ok(Vec::new());
     }
+    let answer = patiently(|words, patience| have_read(program, words, asked, patience));
+    answer.map_err(|error| io::Error::other(format!("who reads them gives no answer: {error}")))
+}
+
+/// Has a process started with these words, which is given so much time; and another one if that was
+/// not enough.
+fn patiently<A>(mut read: impl FnMut(&[&str], Duration) -> io::Result<A>) -> io::Result<A> {
+    let [first, last] = PATIENCE;
+    match read(&[WORD], first) {
+        Err(error) if error.kind() == io::ErrorKind::WouldBlock => read(&[WORD, NOW], last),
+        answer => answer,
+    }
+}
+
+fn have_read(
+    program: &Path,
+    words: &[&str],
+    asked: &[(&File, Offsets)],
+    patience: Duration,
+) -> io::Result<Vec<Contents>> {
     let (mut ours, theirs) = UnixStream::pair()?;
-    ours.set_read_timeout(Some(PATIENCE))?;
+    ours.set_read_timeout(Some(patience))?;
     let mut command = Command::new(program);
-    command.arg(WORD).stdin(OwnedFd::from(theirs)).stdout(Stdio::null());
+    command.args(words).stdin(OwnedFd::from(theirs)).stdout(Stdio::null());
     // Not in the group of the daemon, which may be stopped from a terminal meanwhile.
     let mut child = command.process_group(0).spawn()?;
     // Its end of the socket is the child's alone: when that ends, so does what is read.
@@ -61,7 +84,7 @@ pub(super) fn look_up(program: &Path, asked: &[(&File, Offsets)]) -> io::Result<
         let _ = child.kill();
     }
     child.wait()?;
-    answer.map_err(|error| io::Error::other(format!("who reads them gives no answer: {error}")))
+    answer
 }
 
 fn ask(socket: &mut UnixStream, asked: &[(&File, Offsets)]) -> io::Result<Vec<Contents>> {
@@ -94,7 +117,10 @@ pub fn read_symbols() -> Option<ExitCode> {
 }
 
 fn answer() -> io::Result<()> {
-    step_back();
+    limit();
+    if std::env::args_os().nth(2).is_none_or(|word| word != NOW) {
+        step_back();
+    }
     let mut socket = UnixStream::from(rustix::io::fcntl_dupfd_cloexec(rustix::stdio::stdin(), 3)?);
     let mut room = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(FILES))];
     let mut ancillary = RecvAncillaryBuffer::new(&mut room);
@@ -114,13 +140,16 @@ fn answer() -> io::Result<()> {
     socket.write_all(&serde_json::to_vec(&read)?)
 }
 
-/// Runs when nobody else does, and takes no more than its part. Where that is refused, it goes on as
-/// it is: what it does is short.
+/// Runs when nobody else does. Where that is refused, it goes on as it is: what it does is short.
 fn step_back() {
     let idle = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Idle);
     let thread = thread_priority::thread_native_id();
     let _ = setpriority_process(None, 19);
     let _ = thread_priority::set_thread_priority_and_policy(thread, ThreadPriority::Min, idle);
+}
+
+/// Takes no more than its part.
+fn limit() {
     for (resource, most) in
         [(Resource::Data, MEMORY), (Resource::Cpu, PROCESSOR), (Resource::Core, 0)]
     {
@@ -145,6 +174,26 @@ mod tests {
             assert!(refused.contains(wanted), "{refused}");
         }
         assert_eq!(look_up(Path::new("/no/program"), &[]).unwrap(), []);
+    }
+
+    #[test]
+    fn where_the_processor_is_always_wanted_another_process_reads_that_shares_it() {
+        let (mut ours, _theirs) = UnixStream::pair().unwrap();
+        ours.set_read_timeout(Some(Duration::from_millis(1))).unwrap();
+        let own = File::open(std::env::current_exe().unwrap()).unwrap();
+        let mut started = Vec::new();
+        let answer = patiently(|words, _| {
+            started.push(words.join(" "));
+            match words.contains(&NOW) {
+                true => Ok(vec![]),
+                // Nobody answers.
+                false => ask(&mut ours, &[(&own, vec![0])]),
+            }
+        });
+        assert_eq!(answer.unwrap(), []);
+        assert_eq!(started, ["--read-symbols", "--read-symbols now"]);
+        let refused = patiently(|_, _| Err::<(), _>(io::ErrorKind::NotFound.into()));
+        assert_eq!(refused.unwrap_err().kind(), io::ErrorKind::NotFound);
     }
 
     #[test]

@@ -67,6 +67,20 @@ fn a_report_names_signal_address_codel_activity_and_function() {
 }
 
 #[test]
+fn a_signal_of_a_fault_that_somebody_sent_ends_the_process_by_this_signal() {
+    let daemon = Daemon::start(&[]);
+    let mut events = daemon.events();
+    load(&daemon, "demo", &["--cell", "arm", "--restart", "never"]);
+    signal(&daemon, "arm", "SEGV");
+    let told = events.wait_for(|e| e["event"] == "cell_crashed");
+    let report = daemon.json(&["crashes", told["report"].as_str().unwrap()]);
+    assert_eq!(
+        (&report["end"], &report["fault"]["what"]),
+        (&json!("signal 11 (SIGSEGV)"), &json!("SIGSEGV"))
+    );
+}
+
+#[test]
 fn the_report_of_a_crash_takes_no_memory_of_the_daemon_for_symbols() {
     let often = "[cells]\nrestart_most = 1000\nrestart_delay = 0.0\nrestart_factor = 1.0\n";
     let daemon = Home::new().configured(often).start(&[]);
