@@ -1,5 +1,8 @@
 //! What a rule adds to each call of the codel that it is about: 0, 1 and 8 of a kind, next to the
 //! call itself.
+//!
+//! `cargo bench -p genom-runtime --bench monitors [-- WORD...]`: of the kinds whose name has one of
+//! these words.
 
 #![allow(missing_docs, clippy::print_stdout, clippy::unwrap_used)]
 
@@ -36,8 +39,14 @@ fn main() {
         ("order of several threads", shared_order),
         ("formula of several threads", shared_formula),
     ];
+    // `cargo bench` adds `--bench`.
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+    let is_wanted = |(name, _): &(&str, Make)| {
+        words.is_empty() || words.iter().any(|word| name.contains(word.as_str()))
+    };
     let counted = |(name, make)| [1, 8].map(|count| (name, count, make, f64::MAX));
-    let mut all: Vec<(&str, usize, Make, f64)> = kinds.into_iter().flat_map(counted).collect();
+    let wanted = kinds.into_iter().filter(is_wanted);
+    let mut all: Vec<(&str, usize, Make, f64)> = wanted.flat_map(counted).collect();
     let (mut alone, mut none) = (f64::MAX, f64::MAX);
     for _ in 0..RUNS {
         alone = alone.min(bare());
@@ -93,7 +102,10 @@ fn with_rules(count: usize, make: Make) -> f64 {
          };",
         &[("c", codel)],
     );
-    let codels: Vec<CodelIx> = body.plan.component().codels.pairs().map(|(ix, _)| ix).collect();
+    // Not those of the standard services, which are called elsewhere.
+    let all = body.plan.component().codels.pairs();
+    let codels: Vec<CodelIx> = all.filter(|(_, one)| one.name == "c").map(|(ix, _)| ix).collect();
+    assert_eq!(codels.len(), 1);
     let begin = Instant::now();
     let instance = body.start_with(|options| {
         let rule = || Supervised { rule: make(codels.clone()), interrupts: false };
