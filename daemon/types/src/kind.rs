@@ -196,7 +196,12 @@ impl Kind {
         }
     }
 
-    /// The types that it is made of, one after the other.
+    /// The types that it is made of, one after the other: element, target, members.
+    #[must_use]
+    pub fn parts(&self) -> Vec<TypeId> {
+        self.clone().parts_mut().into_iter().map(|part| *part).collect()
+    }
+
     pub(crate) fn parts_mut(&mut self) -> Vec<&mut TypeId> {
         match self {
             Kind::Array { element, .. }

@@ -146,6 +146,19 @@ def put(name, body, skip=0):
     return "done"
 
 
+def buffers(name, body):
+    """Writes a sample as nodes of Lyrical do whose message has a buffer: for each subscription of
+    which the token says that it reads such, and for no other. How many there are."""
+    known, mangled = written[name], name.replace("/", "%")
+    there = [key for key in list(present) if "/MS/" in key and f"/{mangled}/" in key]
+    aware = [key for key in there if key.endswith("/backends:cpu:")]
+    known[2] += 1
+    if aware:
+        key = f"{known[0].key_expr}/_buf_cpu"
+        node.put(key, bytes.fromhex(body), attachment=attachment(known[2], known[1]))
+    return len(aware)
+
+
 def plain(name, ty, of, body):
     """Writes a sample without attachment."""
     node.put(key_of(name, ty, of), bytes.fromhex(body))
@@ -226,7 +239,7 @@ def there(text):
 
 commands = {
     of.__name__: of
-    for of in (read, sample, arrived, write, matched, put, plain, serve, client, call, ends, gone, there)
+    for of in (read, sample, arrived, write, matched, put, buffers, plain, serve, client, call, ends, gone, there)
 }
 print('"up"', flush=True)
 for line in sys.stdin:

@@ -8,6 +8,7 @@
     reason = "test code, also outside of test functions"
 )]
 
+mod buffers;
 mod own_services;
 mod told;
 #[path = "world/zenoh.rs"]

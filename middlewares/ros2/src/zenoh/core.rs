@@ -63,6 +63,16 @@ pub(crate) struct Draft {
     pub(crate) gid: Gid,
 }
 
+impl Draft {
+    /// The same end, which reads [`keys::of_buffers`], too.
+    pub(crate) fn with_buffers(mut self, domain: u16) -> Self {
+        self.end.buffers = true;
+        self.token = self.end.token(domain);
+        self.gid = keys::gid(&self.token);
+        self
+    }
+}
+
 /// Keeps an end known to others. Fields are dropped in order: of a daemon's end, what only daemons
 /// know is told for longer than the end is there.
 pub(crate) struct Shown {
@@ -246,7 +256,9 @@ impl Core {
         let number = claimed.flatten().unwrap_or_else(|| self.number());
         let hash = of.hash.clone().ok_or_else(|| EndError::NoHash(of.ty.clone()))?;
         let (name, ty) = (of.name.clone(), of.ty.to_dds(""));
-        let end = End { node: node.node.clone(), number, kind, name, ty, hash, quality };
+        let node_of = node.node.clone();
+        let buffers = false;
+        let end = End { node: node_of, number, kind, name, ty, hash, quality, buffers };
         let token = end.token(self.domain);
         let gid = keys::gid(&token);
         Ok(Draft { end, node, token, gid })

@@ -31,6 +31,19 @@ pub(crate) fn of_found(
     OwnedKeyExpr::new(format!("{domain}/{name}/{ty}/{hash}"))
 }
 
+/// Last chunk of the token of an in port that also reads [`of_buffers`].
+const BUFFERS: &str = "backends:cpu:";
+
+/// Begins the chunk of a token that tells where buffers of messages may lie.
+const BACKENDS: &str = "backends:";
+
+/// The key on which publishers of Lyrical and later write messages with a `uint8[]` or `char[]` for
+/// those subscriptions of which the token says so. Others get such messages on `key` from some
+/// versions, and not at all from others.
+pub(crate) fn of_buffers(key: &str) -> String {
+    format!("{key}/_buf_cpu")
+}
+
 /// A key expression that matches all tokens of a domain.
 pub(crate) fn all_tokens(domain: u16) -> String {
     format!("{TOKENS}/{domain}/**")
@@ -83,6 +96,8 @@ pub(crate) struct End {
     pub(crate) ty: String,
     pub(crate) hash: String,
     pub(crate) quality: Quality,
+    /// Whether it reads [`of_buffers`], too.
+    pub(crate) buffers: bool,
 }
 
 fn mangled(name: &str) -> String {
@@ -116,9 +131,11 @@ impl End {
 
     /// The key of the end's token.
     pub(crate) fn token(&self, domain: u16) -> String {
-        let Self { node, number, kind, name, ty, hash, quality } = self;
+        let Self { node, number, kind, name, ty, hash, quality, buffers } = self;
         let node = node.with(domain, *number, kind.spelled());
-        format!("{node}/%{}/{}/{hash}/{}", mangled(name), mangled(ty), quality.encoded())
+        let (name, ty) = (mangled(name), mangled(ty));
+        let last = if *buffers { ["/", BUFFERS].concat() } else { String::new() };
+        format!("{node}/%{name}/{ty}/{hash}/{}{last}", quality.encoded())
     }
 
     /// Parses the key of an end's token. `None` for nodes, and for what is no token.
@@ -139,7 +156,8 @@ impl End {
         let name = unmangled(chunks.next()?).trim_start_matches('/').to_owned();
         let (ty, hash) = (unmangled(chunks.next()?), unmangled(chunks.next()?));
         let quality = Quality::parse(chunks.next()?)?;
-        // Later distributions may add chunks: buffer backends, for one.
+        // Later distributions may add chunks.
+        let buffers = chunks.any(|chunk| chunk.starts_with(BACKENDS));
         (!name.is_empty() && !ty.is_empty()).then_some(Self {
             node,
             number,
@@ -148,6 +166,7 @@ impl End {
             ty,
             hash,
             quality,
+            buffers,
         })
     }
 }
@@ -186,8 +205,10 @@ mod tests {
         assert_eq!((end.node.namespace.as_str(), end.number, end.kind), ("/", 10, Kind::Publisher));
         assert_eq!(end.ty, "std_msgs::msg::dds_::String_");
         assert_eq!(end.token(0), TOKEN);
-        let with_backends = format!("{TOKEN}/backends:cpu:");
-        assert_eq!(End::parse(&with_backends), Some(end.clone()));
+        let with_buffers = format!("{TOKEN}/backends:cpu:");
+        let other = End { buffers: true, ..end.clone() };
+        assert_eq!(End::parse(&with_buffers), Some(other.clone()));
+        assert_eq!(other.token(0), with_buffers);
         let node = end.node.token(0);
         assert_eq!(node, "@ros2_lv/0/aac3178e146ba6f1fc6e6a4085e77f21/0/0/NN/%/%/talker");
         assert_eq!(End::parse(&node), None);

@@ -8,6 +8,7 @@ mod attachment;
 mod core;
 mod graph;
 mod keys;
+mod numbers;
 mod ports;
 mod quality;
 mod readers;

@@ -1,12 +1,13 @@
 //! Ports: how they are opened, and their writing end as the runtime sees it.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::Duration;
 
 use genom_kit::intake::Keeping;
 use genom_kit::outlet::Outlet;
 use genom_middleware::{OpenError, Policy, PortSpec, PublishError, Publisher, Subscription};
-use genom_types::Record;
+use genom_types::{DataType, Kind as TypeKind, Record};
 use zenoh::Wait;
 use zenoh::key_expr::OwnedKeyExpr;
 use zenoh::liveliness::LivelinessToken;
@@ -18,7 +19,7 @@ use super::core::{Core, Shown};
 use super::graph::Registered;
 use super::keys::{self, Kind};
 use super::quality::Quality;
-use super::readers::Reader;
+use super::readers::{Arrivals, Reader};
 use super::sending::{Line, Numbered};
 use super::told::Told;
 use crate::error::BACKEND;
@@ -143,9 +144,15 @@ impl Core {
         let inbox = Arc::new(Inbox::new(keeping));
         let read = || -> Result<_, EndError> {
             let key = keys::of(self.domain, &wanted.of)?;
-            let draft = self.draft(&wanted.node, Kind::Subscription, &wanted.of, of_reader)?;
+            let mut draft = self.draft(&wanted.node, Kind::Subscription, &wanted.of, of_reader)?;
             let (session, domain) = (self.session(), self.domain);
-            let reader = Reader::open(session, domain, &wanted, key, &inbox, &self.refusals)?;
+            // What is kept for late readers is on the other key in any case.
+            let buffers = may_have_buffers(ty) && !of_reader.transient_local;
+            if buffers {
+                draft = draft.with_buffers(domain);
+            }
+            let arrivals = Arrivals::new(&wanted.of.name, &inbox, &self.refusals);
+            let reader = Reader::open(session, domain, &wanted, (key, buffers), arrivals)?;
             let told = self.tell(&draft.id(), &Told::of(&wanted))?;
             Ok((self.show(&draft)?, told, reader))
         };
@@ -157,6 +164,25 @@ impl Core {
         let held: (_, _, _, Registered, _) = (reader, shown, told, registered, Arc::clone(self));
         Ok(Box::new(InPort::new(ty, inbox, Box::new(|| {}), Box::new(held))))
     }
+}
+
+/// Whether a message of a ROS type like this one may have a `uint8[]` or `char[]`. Bounds are not
+/// looked at, as a type of ROS that it takes the name of may have none.
+fn may_have_buffers(ty: &DataType) -> bool {
+    let table = ty.table();
+    let (mut left, mut seen) = (vec![ty.id()], HashSet::new());
+    while let Some(id) = left.pop() {
+        let kind = table.kind(id);
+        if let TypeKind::Sequence { element, .. } = kind
+            && matches!(table.resolved(*element), TypeKind::Octet | TypeKind::Char)
+        {
+            return true;
+        }
+        if seen.insert(id) {
+            left.extend(kind.parts());
+        }
+    }
+    false
 }
 
 /// An out port.

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use genom_kit::complaints::BETWEEN_LINES;
 use zenoh::key_expr::OwnedKeyExpr;
+use zenoh::pubsub::Subscriber;
 use zenoh::sample::{Sample, SampleKind};
 use zenoh::{Session, Wait};
 use zenoh_ext::{AdvancedSubscriber, AdvancedSubscriberBuilderExt, HistoryConfig};
@@ -14,13 +15,11 @@ use zenoh_ext::{AdvancedSubscriber, AdvancedSubscriberBuilderExt, HistoryConfig}
 use super::attachment::Attachment;
 use super::graph::Graph;
 use super::keys;
+use super::numbers::Numbers;
 use super::refusals::{Reason, Refusals};
 use crate::inbox::{Inbox, Message};
 use crate::lock::lock;
-use crate::rmw::{Gid, Wanted};
-
-/// Number of writers whose last numbers are remembered.
-const MANY: usize = 256;
+use crate::rmw::Wanted;
 
 /// Number of keys that an in port reads, its own among them.
 const KEYS: usize = 16;
@@ -33,13 +32,18 @@ pub(crate) struct Reader {
     digest: String,
     arrivals: Arc<Arrivals>,
     own: OwnedKeyExpr,
-    subscribers: Mutex<HashMap<OwnedKeyExpr, AdvancedSubscriber<()>>>,
+    /// Whether it also reads what is written on [`keys::of_buffers`].
+    buffers: bool,
+    subscribers: Mutex<Subscribers>,
     /// Whether there may be keys of writers that it does not read yet.
     news: AtomicBool,
 }
 
+/// By key.
+type Subscribers = HashMap<OwnedKeyExpr, (AdvancedSubscriber<()>, Option<Subscriber<()>>)>;
+
 /// Filled by zenoh's callbacks.
-struct Arrivals {
+pub(crate) struct Arrivals {
     name: String,
     inbox: Arc<Inbox>,
     gate: Mutex<Gate>,
@@ -48,33 +52,19 @@ struct Arrivals {
 
 #[derive(Default)]
 struct Gate {
-    /// Number of the last sample of each writer.
-    last: HashMap<Gid, i64>,
+    numbers: Numbers,
     /// An unused message, kept for its memory.
     spare: Option<Message>,
     /// Number of undecodable samples when the last line was logged, and when that was.
     logged: (u64, Option<Instant>),
 }
 
-impl Gate {
-    /// Whether a sample is new; with the number of those that were lost before it.
-    fn admit(&mut self, Attachment { number, gid }: Attachment) -> Option<u64> {
-        if self.last.len() >= MANY && !self.last.contains_key(&gid) {
-            self.last.clear();
-        }
-        let last = self.last.insert(gid, number);
-        let Some(last) = last else { return Some(0) };
-        if number <= last {
-            self.last.insert(gid, last);
-            return None;
-        }
-        // A peer may send any number.
-        let missing = number.saturating_sub(last).saturating_sub(1);
-        Some(u64::try_from(missing).unwrap_or(0).min(u64::from(u32::MAX)))
-    }
-}
-
 impl Arrivals {
+    pub(crate) fn new(topic: &str, inbox: &Arc<Inbox>, refusals: &Arc<Refusals>) -> Self {
+        let (name, inbox, refusals) = (topic.to_owned(), Arc::clone(inbox), Arc::clone(refusals));
+        Self { name, inbox, gate: Mutex::default(), refusals }
+    }
+
     fn arrive(&self, sample: &Sample) {
         if sample.kind() != SampleKind::Put {
             return;
@@ -89,7 +79,7 @@ impl Arrivals {
             let Some(attachment) = Attachment::decode(attachment) else {
                 return refuse(Reason::Attachment);
             };
-            let Some(missing) = gate.admit(attachment) else { return };
+            let Some(missing) = gate.numbers.admit(attachment) else { return };
             if missing > 0 {
                 self.inbox.missing.fetch_add(missing, Ordering::Relaxed);
             }
@@ -126,28 +116,22 @@ impl Gate {
 }
 
 impl Reader {
-    /// Reads this key, and further ones as soon as they are known.
+    /// Reads this key, with what is written for readers of buffers if that is true, and further
+    /// keys as soon as they are known.
     pub(crate) fn open(
         session: &Session,
         domain: u16,
         wanted: &Wanted,
-        key: OwnedKeyExpr,
-        inbox: &Arc<Inbox>,
-        refusals: &Arc<Refusals>,
+        (key, buffers): (OwnedKeyExpr, bool),
+        arrivals: Arrivals,
     ) -> zenoh::Result<Arc<Self>> {
-        let name = wanted.of.name.clone();
-        let arrivals = Arrivals {
-            name: name.clone(),
-            inbox: Arc::clone(inbox),
-            gate: Mutex::default(),
-            refusals: Arc::clone(refusals),
-        };
         let reader = Arc::new(Self {
             domain,
-            name,
+            name: wanted.of.name.clone(),
             digest: wanted.digest.clone(),
             arrivals: Arc::new(arrivals),
             own: key.clone(),
+            buffers,
             subscribers: Mutex::default(),
             news: AtomicBool::new(false),
         });
@@ -161,7 +145,7 @@ impl Reader {
         &self,
         session: &Session,
         key: OwnedKeyExpr,
-        subscribers: &mut HashMap<OwnedKeyExpr, AdvancedSubscriber<()>>,
+        subscribers: &mut Subscribers,
     ) -> zenoh::Result<()> {
         if subscribers.contains_key(&key) {
             return Ok(());
@@ -175,7 +159,13 @@ impl Reader {
             .history(HistoryConfig::default().detect_late_publishers().max_samples(1))
             .subscriber_detection()
             .wait()?;
-        subscribers.insert(key, subscriber);
+        let of_buffers = || {
+            let arrivals = Arc::clone(&self.arrivals);
+            let subscriber = session.declare_subscriber(keys::of_buffers(&key));
+            subscriber.callback(move |sample| arrivals.arrive(&sample)).wait()
+        };
+        let of_buffers = self.buffers.then(of_buffers).transpose()?;
+        subscribers.insert(key, (subscriber, of_buffers));
         Ok(())
     }
 
@@ -228,29 +218,5 @@ impl Readers {
     /// The in ports of a topic.
     pub(crate) fn of(&self, name: &str) -> Vec<Arc<Reader>> {
         lock(&self.0).get(name).into_iter().flatten().filter_map(Weak::upgrade).collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn samples_are_taken_once_and_those_between_are_counted_by_writer() {
-        let mut gate = Gate::default();
-        let mut admit = |gid: u8, number| gate.admit(Attachment { number, gid: [gid; 16] });
-        assert_eq!(admit(1, 7), Some(0), "what came before a reader is no loss of it");
-        assert_eq!(admit(1, 7), None);
-        assert_eq!(admit(1, 8), Some(0));
-        assert_eq!(admit(2, 3), Some(0));
-        assert_eq!(admit(1, 11), Some(2));
-        assert_eq!(admit(1, 10), None);
-        assert_eq!(admit(1, i64::MAX), Some(u64::from(u32::MAX)));
-        assert_eq!(admit(3, i64::MIN), Some(0));
-        assert_eq!(admit(3, i64::MAX), Some(u64::from(u32::MAX)));
-        for gid in 0..=255u8 {
-            admit(gid, 1);
-        }
-        assert!(gate.last.len() <= MANY);
     }
 }

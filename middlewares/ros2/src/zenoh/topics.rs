@@ -4,11 +4,12 @@ use std::sync::{Arc, Mutex};
 
 use zenoh::Wait;
 use zenoh::pubsub::Subscriber;
-use zenoh::sample::SampleKind;
+use zenoh::sample::{Sample, SampleKind};
 
 use super::attachment::Attachment;
 use super::core::{Core, Shown};
 use super::keys::{self, Kind};
+use super::numbers::Numbers;
 use super::quality::Quality;
 use super::sending::{Numbered, Orders};
 use super::services::message;
@@ -69,7 +70,7 @@ impl TopicWriter for Writing {
 
 /// The reading end of a topic. Fields are dropped in order.
 pub(crate) struct Reading {
-    _subscriber: Subscriber<()>,
+    _subscribers: [Subscriber<()>; 2],
     _shown: Shown,
 }
 
@@ -81,14 +82,23 @@ impl Reading {
         on_message: OnMessage,
     ) -> Result<Self, EndError> {
         let draft = core.draft(node, Kind::Subscription, of, Quality::SERVICE)?;
+        let draft = draft.with_buffers(core.domain);
+        let (numbers, on_message) =
+            (Arc::new(Mutex::new(Numbers::default())), Arc::new(on_message));
+        let subscriber = |key: String| {
+            let (numbers, on_message) = (Arc::clone(&numbers), Arc::clone(&on_message));
+            let arrives = move |sample: Sample| {
+                let attachment = sample.attachment().and_then(Attachment::decode);
+                let is_new = attachment.is_none_or(|one| lock(&numbers).admit(one).is_some());
+                if sample.kind() == SampleKind::Put && is_new {
+                    on_message(&sample.payload().to_bytes());
+                }
+            };
+            core.session().declare_subscriber(key).callback(arrives).wait()
+        };
         // Whatever the name of the type is in other daemons.
-        let subscriber =
-            core.session().declare_subscriber(format!("{}/{}/*/*", core.domain, of.name));
-        let subscriber = subscriber.callback(move |sample| {
-            if sample.kind() == SampleKind::Put {
-                on_message(&sample.payload().to_bytes());
-            }
-        });
-        Ok(Self { _subscriber: subscriber.wait()?, _shown: core.show(&draft)? })
+        let key = format!("{}/{}/*/*", core.domain, of.name);
+        let subscribers = [subscriber(keys::of_buffers(&key))?, subscriber(key)?];
+        Ok(Self { _subscribers: subscribers, _shown: core.show(&draft)? })
     }
 }
