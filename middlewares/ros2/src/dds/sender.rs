@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::io;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::dds::rustdds::bytes::Bytes;
@@ -63,6 +63,8 @@ pub(crate) struct Orders {
     thread: sender::Orders<Work>,
     /// Whether there is something to announce.
     news: Arc<AtomicBool>,
+    /// How often somebody asked to wait for an announcement.
+    asked: Arc<AtomicU64>,
     /// Whether in ports could not decode samples.
     complaints: Arc<AtomicBool>,
 }
@@ -70,6 +72,7 @@ pub(crate) struct Orders {
 impl Sending {
     pub(crate) fn start(announce: Box<dyn Announce>, matches: Arc<Matches>) -> io::Result<Self> {
         let news = Arc::new(AtomicBool::new(false));
+        let asked = Arc::new(AtomicU64::new(0));
         let complaints = Arc::new(AtomicBool::new(false));
         let work = Work {
             lines: HashMap::new(),
@@ -78,13 +81,15 @@ impl Sending {
             announce,
             news: Arc::clone(&news),
             announced: None,
+            asked: Arc::clone(&asked),
+            answered: 0,
             complaints: Arc::clone(&complaints),
             complained: None,
         };
         // Not prompt, because the first thing it does is to wake DDS's threads.
         let sender = sender::Sender::start("ros2", false, work)?;
         let thread = sender.orders().clone();
-        Ok(Self { _sender: sender, orders: Orders { thread, news, complaints } })
+        Ok(Self { _sender: sender, orders: Orders { thread, news, asked, complaints } })
     }
 
     pub(crate) fn orders(&self) -> &Orders {
@@ -107,11 +112,8 @@ impl Orders {
 
     /// Announces our ends, and waits for a limited time until others have received it.
     pub(crate) fn announce_now(&self) {
-        self.thread.finish(|work, _| {
-            if work.announce.tell() {
-                work.announce.settle(FAREWELL);
-            }
-        });
+        let number = self.asked.fetch_add(1, Ordering::SeqCst) + 1;
+        self.thread.finish(move |work, _| work.answer(number));
     }
 
     /// Queues a job, after all earlier ones.
@@ -239,6 +241,9 @@ struct Work {
     announce: Box<dyn Announce>,
     news: Arc<AtomicBool>,
     announced: Option<Instant>,
+    asked: Arc<AtomicU64>,
+    /// How many of those who asked the last announcement was for.
+    answered: u64,
     complaints: Arc<AtomicBool>,
     complained: Option<Instant>,
 }
@@ -270,6 +275,19 @@ impl Work {
         }
         self.news.store(true, Ordering::Release);
         Some(BETWEEN)
+    }
+
+    /// Announces for who was the so-many-th to ask, and for all who have asked since: an announcement
+    /// tells of all ends, so that many that close at once need no more than a few.
+    fn answer(&mut self, number: u64) {
+        if self.answered >= number {
+            return;
+        }
+        let asked = self.asked.load(Ordering::SeqCst);
+        if self.announce.tell() {
+            self.announce.settle(FAREWELL);
+        }
+        self.answered = asked;
     }
 
     /// Logs undecodable samples if a line is due. Returns the time until the next line.
