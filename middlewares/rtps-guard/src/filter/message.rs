@@ -133,13 +133,24 @@ impl<'a> Fields<'a> {
         Ok((i64::from(high.cast_signed()) << 32) | i64::from(low))
     }
 
-    /// Skips a set of numbers: its base and a bitmap of at most 256 bits (9.4.2.6, 9.4.2.8).
+    /// Skips the bitmap of a set of numbers, of at most 256 bits (9.4.2.6, 9.4.2.8).
     pub(crate) fn bitmap(&mut self) -> Result<(), Reason> {
+        self.bits().map(drop)
+    }
+
+    /// Reads such a bitmap, and returns how many numbers it has.
+    pub(crate) fn bits(&mut self) -> Result<u32, Reason> {
         let bits = self.u32()?;
         if bits > 256 {
             return Err(Reason::Malformed);
         }
-        self.skip(bits.div_ceil(32) as usize * 4)
+        let mut set = 0;
+        for word in 0..bits.div_ceil(32) {
+            // The first number is the highest bit; what is beyond the last does not count.
+            let used = u32::MAX << (32 - (bits - word * 32).min(32));
+            set += (self.u32()? & used).count_ones();
+        }
+        Ok(set)
     }
 }
 

@@ -12,6 +12,7 @@
 //! participant can still end its flows, for example by announcing that it leaves. Only DDS Security
 //! prevents that, which RustDDS is not built with here, or a network without strangers.
 
+mod announced;
 mod discovery;
 mod flows;
 mod limits;
@@ -19,6 +20,7 @@ mod mend;
 mod message;
 mod peers;
 mod pieces;
+mod repairs;
 mod tally;
 #[cfg(test)]
 mod tests;
@@ -27,6 +29,7 @@ use std::net::IpAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
+pub(crate) use announced::Announced;
 pub use limits::Limits;
 pub(crate) use mend::mended;
 pub use tally::{Reason, Tally};
@@ -36,6 +39,7 @@ use flows::{Flows, Heard};
 use message::{Entity, Fields, HEADER, Head, Prefix, is_builtin, kind, put_number};
 use peers::Peers;
 use pieces::{Piece, Pieces};
+use repairs::{Answer, Repairs};
 
 /// The entity id that stands for no particular entity (9.3.1.5).
 const UNKNOWN: Entity = [0; 4];
@@ -47,6 +51,7 @@ pub(crate) struct Guard {
     peers: Peers,
     flows: Flows,
     pieces: Pieces,
+    repairs: Repairs,
     /// The participant that leaves with the current datagram.
     leaving: Option<Prefix>,
     tally: Arc<Tally>,
@@ -67,6 +72,7 @@ impl Guard {
             peers: Peers::new(&limits),
             flows: Flows::new(),
             pieces: Pieces::new(&limits),
+            repairs: Repairs::default(),
             leaving: None,
             tally,
         }
@@ -109,9 +115,18 @@ impl Guard {
             at = head.body.end;
             if head.kind == kind::INFO_SRC {
                 from.participant = source(datagram.get(head.body.clone()).unwrap_or_default())?;
-            } else if let Err(reason) = self.submessage(datagram, &head, &from) {
-                self.tally.add(reason, address);
-                head.silence(datagram);
+                continue;
+            }
+            match self.submessage(datagram, &head, &from) {
+                Ok(Answer::Pass) => {}
+                Ok(Answer::Drop) => head.silence(datagram),
+                Ok(Answer::Whole { base, number }) => {
+                    let _ = repairs::ask_for_whole(datagram, head.start, base, number);
+                }
+                Err(reason) => {
+                    self.tally.add(reason, address);
+                    head.silence(datagram);
+                }
             }
         }
         // RustDDS stores the reply address of every sender, even of unknown ones.
@@ -120,47 +135,54 @@ impl Guard {
             self.peers.leave(&gone);
             self.flows.forget(&gone);
             self.pieces.forget(&gone);
+            self.repairs.forget(&gone);
         }
         if known { Ok(()) } else { Err(Reason::Stranger) }
     }
 
-    fn submessage(&mut self, datagram: &mut [u8], head: &Head, from: &From) -> Result<(), Reason> {
+    fn submessage(
+        &mut self,
+        datagram: &mut [u8],
+        head: &Head,
+        from: &From,
+    ) -> Result<Answer, Reason> {
         let body = datagram.get_mut(head.body.clone()).unwrap_or_default();
-        match head.kind {
+        let passed = match head.kind {
             kind::DATA => self.data(body, head, from),
-            kind::DATA_FRAG => self.fragment(body, head, from),
+            kind::DATA_FRAG => return self.fragment(body, head, from),
             kind::HEARTBEAT => self.heartbeat(body, head, from),
             kind::GAP => self.gap(body, head, from),
             kind::HEARTBEAT_FRAG => {
                 let mut fields = Fields::new(body, head.little());
                 self.ends(&mut fields, from).map(drop)
             }
-            kind::ACKNACK => {
-                let mut fields = Fields::new(body, head.little());
-                self.ends(&mut fields, from)?;
-                let base = fields.number()?;
-                // Some implementations send 0 while they have received nothing.
-                if !(0..=limits::LAST_NUMBER).contains(&base) {
-                    return Err(Reason::Range);
-                }
-                fields.bitmap()?;
-                fields.u32().map(drop)
-            }
-            kind::NACK_FRAG => {
-                let mut fields = Fields::new(body, head.little());
-                self.ends(&mut fields, from)?;
-                if !(1..=limits::LAST_NUMBER).contains(&fields.number()?) {
-                    return Err(Reason::Range);
-                }
-                if !self.pieces.can_ask(fields.u32()?) {
-                    return Err(Reason::Range);
-                }
-                fields.bitmap()?;
-                fields.u32().map(drop)
-            }
+            kind::ACKNACK => return self.acknack(body, head, from),
+            kind::NACK_FRAG => return self.nack_frag(body, head, from),
             kind::INFO_REPLY => reply(body, head),
             _ => Ok(()),
+        };
+        passed.map(|()| Answer::Pass)
+    }
+
+    fn acknack(&mut self, body: &[u8], head: &Head, from: &From) -> Result<Answer, Reason> {
+        let mut fields = Fields::new(body, head.little());
+        let (reader, writer) = self.ends(&mut fields, from)?;
+        // Some implementations send 0 while they have received nothing.
+        if !(0..=limits::LAST_NUMBER).contains(&fields.clone().number()?) {
+            return Err(Reason::Range);
         }
+        self.repairs.read_acknack((from.participant, reader, writer), &mut fields)
+    }
+
+    fn nack_frag(&mut self, body: &[u8], head: &Head, from: &From) -> Result<Answer, Reason> {
+        let mut fields = Fields::new(body, head.little());
+        let (reader, writer) = self.ends(&mut fields, from)?;
+        let number = fields.number()?;
+        if !(1..=limits::LAST_NUMBER).contains(&number) || !self.pieces.can_ask(fields.u32()?) {
+            return Err(Reason::Range);
+        }
+        let pair = (from.participant, reader, writer);
+        self.repairs.read_nack_frag(pair, number, &mut fields, from.now)
     }
 
     /// Reads the reader and the writer, which come first in submessages between ends; checks that
@@ -237,7 +259,7 @@ impl Guard {
         self.flows.sample((from.participant, writer), number, from.now)
     }
 
-    fn fragment(&mut self, body: &mut [u8], head: &Head, from: &From) -> Result<(), Reason> {
+    fn fragment(&mut self, body: &[u8], head: &Head, from: &From) -> Result<Answer, Reason> {
         const INLINE: u8 = 2;
         const KEY: u8 = 4;
         let mut fields = Fields::new(body, head.little());

@@ -1,14 +1,20 @@
 //! Samples in fragments: limits what DDS holds of them until they are complete.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::time::Duration;
 
 use super::limits::{ASSEMBLIES, GIVEN_UP, Limits};
 use super::message::{Entity, Prefix};
+use super::repairs::Answer;
 use super::tally::Reason;
 
 /// Identifies a sample: participant, writer, sequence number.
 pub(crate) type Sample = (Prefix, Entity, i64);
+
+/// Number of complete samples that are remembered, and for how long. Not longer, because a reader
+/// that is created later may want them again.
+const COMPLETE: usize = 64;
+const TWICE: Duration = Duration::from_millis(500);
 
 /// Content of a DATA_FRAG (8.3.8.3).
 #[derive(Clone, Copy, Debug)]
@@ -38,20 +44,25 @@ pub(crate) struct Pieces {
     assemblies: HashMap<Sample, Assembly>,
     bytes: u64,
     limits: Limits,
+    /// The last samples that were complete, and since when.
+    complete: VecDeque<(Sample, Duration)>,
 }
 
 impl Pieces {
     pub(crate) fn new(limits: &Limits) -> Self {
-        Self { assemblies: HashMap::new(), bytes: 0, limits: *limits }
+        let (assemblies, complete) = (HashMap::new(), VecDeque::new());
+        Self { assemblies, bytes: 0, limits: *limits, complete }
     }
 
-    /// Checks whether DDS may receive a fragment.
+    /// Checks whether DDS may receive a fragment. Those of a sample that has just become complete
+    /// are dropped: for a fragment that arrives twice RustDDS would begin to assemble the sample
+    /// again, and hold it.
     pub(crate) fn add(
         &mut self,
         sample: Sample,
         piece: Piece,
         now: Duration,
-    ) -> Result<(), Reason> {
+    ) -> Result<Answer, Reason> {
         let Piece { first, count, fragment, whole, payload } = piece;
         // 8.3.8.3.3: validity.
         if fragment == 0 || u32::from(fragment) > whole || first == 0 || count == 0 {
@@ -66,7 +77,12 @@ impl Pieces {
             return Err(Reason::Malformed);
         }
         if count == 1 && total == 1 {
-            return Ok(());
+            return Ok(Answer::Pass);
+        }
+        let just =
+            |(of, since): &(Sample, Duration)| *of == sample && now.saturating_sub(*since) < TWICE;
+        if self.complete.iter().any(just) {
+            return Ok(Answer::Drop);
         }
         if !self.assemblies.contains_key(&sample) {
             self.make_room(&sample, whole, now)?;
@@ -75,7 +91,9 @@ impl Pieces {
             self.assemblies.insert(sample, assembly);
             self.bytes += u64::from(whole);
         }
-        let Some(assembly) = self.assemblies.get_mut(&sample) else { return Ok(()) };
+        let Some(assembly) = self.assemblies.get_mut(&sample) else {
+            return Ok(Answer::Pass);
+        };
         if (assembly.whole, assembly.fragment) != (whole, fragment) {
             return Err(Reason::Malformed);
         }
@@ -92,8 +110,10 @@ impl Pieces {
         if assembly.left == 0 {
             self.bytes -= u64::from(whole);
             self.assemblies.remove(&sample);
+            self.complete.truncate(COMPLETE - 1);
+            self.complete.push_front((sample, now));
         }
-        Ok(())
+        Ok(Answer::Pass)
     }
 
     /// Makes room for another sample by forgetting those that DDS has given up by now.
@@ -122,6 +142,7 @@ impl Pieces {
 
     /// Forgets the samples of a participant that is gone.
     pub(crate) fn forget(&mut self, participant: &Prefix) {
+        self.complete.retain(|((prefix, ..), _)| prefix != participant);
         let bytes = &mut self.bytes;
         self.assemblies.retain(|(prefix, ..), assembly| {
             let stays = prefix != participant;

@@ -1,7 +1,7 @@
 //! Which messages pass and which do not, byte by byte.
 
 #[path = "../../../../tests/src/siege/forger.rs"]
-mod forger;
+pub(crate) mod forger;
 
 use std::net::IpAddr;
 use std::sync::Arc;
@@ -197,6 +197,37 @@ fn a_gap_in_the_middle_is_told_little_by_little() {
     for (start, end) in [(0, 5), (9, 8), (-5, 5), (i64::MIN, i64::MAX), (3, i64::MAX)] {
         assert!(world.is_silenced(gap(USER, start, end)), "{start} {end}");
     }
+}
+
+#[test]
+fn fragments_of_a_sample_that_has_just_become_complete_are_not_heard_twice() {
+    let mut world = World::new();
+    let piece = |first| fragment(USER, 7, (first, 1, 1000), 1500, &[0; 500]);
+    assert!(world.passes(piece(2)));
+    assert!(world.passes(piece(2)), "the other one is missing");
+    assert!(world.passes(piece(1)));
+    assert!(world.is_silenced(piece(2)));
+    // A reader that was created later asks for the sample.
+    world.now += Duration::from_secs(1);
+    assert!(world.passes(piece(2)));
+    assert_eq!(world.tally.list(), []);
+}
+
+#[test]
+fn a_reader_that_lost_much_asks_for_the_whole_sample() {
+    let mut world = World::new();
+    let number = |number: u32| [[0; 4], number.to_le_bytes()].concat();
+    let ends = [[0, 0, 0x12, 0x04], USER].concat();
+    let acknack = [&ends[..], &number(3), &[0; 4], &[1, 0, 0, 0]].concat();
+    assert!(world.passes(forger::submessage(kind::ACKNACK, 2, &acknack)));
+    let set = [&9946_u32.to_le_bytes()[..], &256_u32.to_le_bytes(), &[0xff; 32]].concat();
+    let nack_frag = [&ends[..], &number(4), &set, &[2, 0, 0, 0]].concat();
+    let nack_frag = forger::submessage(kind::NACK_FRAG, 0, &nack_frag);
+    let (asks, body) = world.left(nack_frag.clone());
+    let wants = [&2_u32.to_le_bytes()[..], &(1_u32 << 30).to_le_bytes(), &[2, 0, 0, 0]].concat();
+    assert_eq!((asks, body), (kind::ACKNACK, [&ends[..], &number(3), &wants].concat()));
+    assert!(world.is_silenced(nack_frag));
+    assert_eq!(world.tally.list(), []);
 }
 
 #[test]

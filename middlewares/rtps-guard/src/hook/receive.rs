@@ -11,8 +11,8 @@ use std::net::{IpAddr, Ipv4Addr, Ipv6Addr};
 use std::ptr;
 use std::sync::atomic::{AtomicPtr, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
-use std::time::Duration;
 
+use super::since_boot;
 use super::threads::is_rustdds;
 use crate::filter::{Guard, Limits, Tally};
 
@@ -209,14 +209,4 @@ unsafe fn receive(socket: c_int, message: *mut libc::msghdr, flags: c_int) -> li
     let next: RecvMsg = unsafe { std::mem::transmute(next) };
     // SAFETY: the arguments are the caller's.
     unsafe { next(socket, message, flags) }
-}
-
-/// Time since boot, including suspend.
-fn since_boot() -> Duration {
-    // SAFETY: all members are integers, for which zero is a valid value.
-    let mut time: libc::timespec = unsafe { std::mem::zeroed() };
-    // SAFETY: the system writes a time.
-    unsafe { libc::clock_gettime(libc::CLOCK_BOOTTIME, &raw mut time) };
-    let seconds = u64::try_from(time.tv_sec).unwrap_or(0);
-    Duration::new(seconds, u32::try_from(time.tv_nsec).unwrap_or(0))
 }

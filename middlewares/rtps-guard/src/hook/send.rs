@@ -1,14 +1,17 @@
-//! A `sendto` for the whole program that mends what RustDDS sends wrongly ([`mended`]).
+//! A `sendto` for the whole program that mends what RustDDS sends wrongly ([`mended`]) or too early
+//! ([`Announced`]).
 //!
 //! RustDDS sends its datagrams with this function. On all other threads, and for all that needs no
 //! mending, it calls the C library's.
 
+use std::cell::RefCell;
 use std::ffi::{c_int, c_void};
 use std::ptr;
 use std::sync::atomic::{AtomicPtr, Ordering};
 
+use super::since_boot;
 use super::threads::is_rustdds;
-use crate::filter::mended;
+use crate::filter::{Announced, mended};
 
 type SendTo = unsafe extern "C" fn(
     c_int,
@@ -40,17 +43,34 @@ unsafe extern "C" fn sendto(
     if is_rustdds() && !bytes.is_null() {
         // SAFETY: the caller guarantees that they can be read.
         let message = unsafe { std::slice::from_raw_parts(bytes.cast::<u8>(), length) };
-        if let Some(mended) = mended(message) {
-            // SAFETY: the address is the caller's, the bytes are there until the call returns.
-            let sent =
-                unsafe { send(socket, mended.as_ptr().cast(), mended.len(), flags, to, size) };
+        let mended = mended(message);
+        let meant = mended.as_deref().unwrap_or(message);
+        let narrowed = with_announced(|announced| announced.narrowed(meant, since_boot()));
+        let narrowed = narrowed.flatten();
+        let out = narrowed.as_deref().unwrap_or(meant);
+        // SAFETY: the address is the caller's, the bytes are there until the call returns.
+        let sent = unsafe { send(socket, out.as_ptr().cast(), out.len(), flags, to, size) };
+        if usize::try_from(sent).is_ok_and(|sent| sent == out.len()) {
+            with_announced(|announced| announced.sent(meant));
             // The caller sees all of its bytes sent.
-            let all = usize::try_from(sent).is_ok_and(|sent| sent == mended.len());
-            return if all { libc::ssize_t::try_from(length).unwrap_or(sent) } else { sent };
+            return libc::ssize_t::try_from(length).unwrap_or(sent);
         }
+        return sent;
     }
     // SAFETY: the arguments are the caller's.
     unsafe { send(socket, bytes, length, flags, to, size) }
+}
+
+thread_local! {
+    /// What the participant of this thread has sent: each has a thread that sends for it.
+    static ANNOUNCED: RefCell<Announced> = RefCell::default();
+}
+
+/// `None` on a thread that is ending.
+fn with_announced<R>(work: impl FnOnce(&mut Announced) -> R) -> Option<R> {
+    let worked =
+        ANNOUNCED.try_with(|announced| announced.try_borrow_mut().ok().map(|mut of| work(&mut of)));
+    worked.ok().flatten()
 }
 
 /// Calls the C library's `sendto`.
