@@ -79,12 +79,16 @@ fn buffers(machine: &Machine) -> Diagnosis {
     let most: Option<u64> =
         machine.text("/proc/sys/net/core/rmem_max").and_then(|text| text.parse().ok());
     match most {
-        Some(most) if most < SMALL_BUFFER => {
+        Some(most) => {
             #[allow(clippy::cast_precision_loss, reason = "a few digits are shown")]
-            let what = format!("{} at most: ROS 2 loses large samples", bytes(most as f64));
-            Diagnosis::note(ABOUT, what, "`sysctl -w net.core.rmem_max=8388608`")
+            let size = bytes(most as f64);
+            if most < SMALL_BUFFER {
+                let what = format!("{size} at most: ROS 2 loses large samples");
+                return Diagnosis::note(ABOUT, what, "`sysctl -w net.core.rmem_max=33554432`");
+            }
+            // The system gives twice as much, and a datagram takes up to twice its size of it.
+            Diagnosis::ok(ABOUT, format!("large enough for samples of {size} on ROS 2"))
         }
-        Some(_) => Diagnosis::ok(ABOUT, "large enough for large samples"),
         None => Diagnosis::ok(ABOUT, "not told"),
     }
 }

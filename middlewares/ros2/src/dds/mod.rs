@@ -5,6 +5,7 @@ mod core;
 mod farewell;
 mod feed;
 mod feeds;
+mod flight;
 mod graph;
 mod info;
 mod meetings;

@@ -28,9 +28,22 @@ pub(crate) enum Direction {
     Reads,
 }
 
+/// Bytes that arrive while RustDDS does other work, and are not lost: several images. Memory is
+/// taken by what waits only.
+const RECEIVE_BUFFER: usize = 32 << 20;
+
+/// What to ask the system for. RustDDS asks for 8 MiB by itself, and complains in the log if it
+/// gets less, which is as common as it is useless there: `genomctl doctor` tells it.
+fn receive_buffer() -> usize {
+    let most = std::fs::read_to_string("/proc/sys/net/core/rmem_max");
+    let most = most.ok().and_then(|text| text.trim().parse().ok());
+    most.unwrap_or(DomainParticipantBuilder::DEFAULT_SOCKET_RECEIVE_BUFFER_SIZE).min(RECEIVE_BUFFER)
+}
+
 impl Dds {
     pub(crate) fn open(domain: &Domain) -> CreateResult<Self> {
-        let mut builder = DomainParticipantBuilder::new(domain.number);
+        let builder = DomainParticipantBuilder::new(domain.number);
+        let mut builder = builder.socket_receive_buffer_size(receive_buffer());
         if let Some(addresses) = domain.addresses() {
             builder = builder.with_only_networks(addresses);
         }

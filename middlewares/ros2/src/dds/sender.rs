@@ -15,6 +15,7 @@ use genom_kit::sender::{self, Duty};
 
 use crate::dds::feed::Feed;
 use crate::dds::feeds::Feeds;
+use crate::dds::flight::Flight;
 use crate::dds::meetings::{self, Meetings};
 use crate::dds::numbering::Numbering;
 use crate::dds::post::Matches;
@@ -22,6 +23,10 @@ use crate::dds::wire::{HEADER, Payload, Writer};
 
 /// How long to wait, when a port closes, for its last samples to arrive.
 const FAREWELL: Duration = Duration::from_millis(100);
+
+/// How long a large sample waits for those before it. Meanwhile newer ones take its place in the
+/// outlet, as its depth says, and another thread sends for the other ports.
+const IN_FLIGHT: Duration = Duration::from_millis(500);
 
 /// Minimum time between two announcements, so that many changes at once make one.
 const BETWEEN: Duration = Duration::from_millis(20);
@@ -47,6 +52,7 @@ pub(crate) struct Line {
     /// only over multicast.
     feeds: Arc<Feeds>,
     outlet: Arc<Outlet>,
+    flight: Flight,
     /// The last value, for late readers.
     last: Option<Bytes>,
 }
@@ -193,7 +199,8 @@ impl Line {
         feeds: Arc<Feeds>,
     ) -> Self {
         let (numbering, outlet) = (Numbering::default(), Arc::clone(outlet));
-        Self { writer, numbering, topic, feeds, outlet, last: None }
+        let flight = Flight::default();
+        Self { writer, numbering, topic, feeds, outlet, flight, last: None }
     }
 
     fn greet(&mut self, reader: GUID) {
@@ -219,6 +226,9 @@ impl sender::Line for Line {
         let message = Bytes::from_owner(message);
         let payload = message.slice(HEADER.min(message.len())..);
         self.last = Some(payload.clone());
+        let Self { writer, flight, .. } = &mut *self;
+        // Whatever has become of them then: readers may be gone, or the network slow.
+        flight.add(payload.len(), || _ = writer.wait_for_acknowledgments(IN_FLIGHT));
         let options = self.numbering.next(Timestamp::now());
         if let Err(error) = self.writer.write_with_options(Payload(payload), options) {
             // What only this daemon reads was not lost: its in ports have it already.
