@@ -47,6 +47,10 @@ struct State {
     started: bool,
     /// Tasks that have a thread.
     tasks: BTreeSet<usize>,
+    /// Contexts that have executed a codel.
+    executed: BTreeSet<usize>,
+    /// Tasks that have made their first pass: they wait for another one.
+    begun: BTreeSet<usize>,
     instance: Option<Weak<dyn OnStage>>,
 }
 
@@ -99,6 +103,13 @@ impl Theatre {
         self.now.store(now, Ordering::Release);
     }
 
+    /// Whether so many tasks have made their first passes, once nobody goes on before a turn.
+    pub(crate) fn have_begun(&self, tasks: usize) -> bool {
+        let begun = |state: &State| state.begun.len() == tasks;
+        let look = |state: &State| (begun(state) || state.is_quiet()).then(|| begun(state));
+        self.until(look).unwrap_or(false)
+    }
+
     /// The start of the component is over.
     pub(crate) fn started(&self) {
         self.lock().started = true;
@@ -119,8 +130,15 @@ impl Theatre {
     /// Holds the calling thread until its turn.
     fn hold(&self, what: Waiting) -> Option<Returned> {
         let mut state = self.lock();
-        if let Waiting::Turn(Turn::Pass { task, .. }) = what {
-            state.tasks.insert(task);
+        match what {
+            Waiting::Turn(Turn::Pass { task, .. }) => {
+                state.tasks.insert(task);
+                if state.executed.contains(&task) {
+                    state.begun.insert(task);
+                }
+            }
+            Waiting::Codel { context, .. } => _ = state.executed.insert(context),
+            Waiting::Turn(Turn::Control) => {}
         }
         let number = state.next;
         state.next += 1;
