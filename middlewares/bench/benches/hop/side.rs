@@ -71,7 +71,8 @@ impl Side {
     /// Opens ends for values of so many bytes, and waits until values arrive.
     pub(crate) fn open(&mut self, bytes: usize, rounds: usize) -> Result<(), Box<dyn Error>> {
         writeln!(self.to, "{bytes} {rounds}")?;
-        self.hear().map(drop)
+        self.hear()?;
+        Ok(())
     }
 
     /// Sends a value over each end. After the last round, returns the durations in ns by end.
