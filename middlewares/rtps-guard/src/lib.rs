@@ -4,7 +4,9 @@
 #![deny(unsafe_code)]
 
 mod filter;
+mod flight;
 mod hook;
 
 pub use filter::{Limits, Reason, Tally};
+pub use flight::Flight;
 pub use hook::guard;

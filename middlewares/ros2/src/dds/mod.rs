@@ -5,7 +5,6 @@ mod core;
 mod farewell;
 mod feed;
 mod feeds;
-mod flight;
 mod graph;
 mod info;
 mod meetings;

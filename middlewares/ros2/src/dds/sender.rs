@@ -12,10 +12,10 @@ use genom_kit::complaints::BETWEEN_LINES;
 use genom_kit::lines::Lines;
 use genom_kit::outlet::Outlet;
 use genom_kit::sender::{self, Duty};
+use genom_rtps_guard::Flight;
 
 use crate::dds::feed::Feed;
 use crate::dds::feeds::Feeds;
-use crate::dds::flight::Flight;
 use crate::dds::meetings::{self, Meetings};
 use crate::dds::numbering::Numbering;
 use crate::dds::post::Matches;

@@ -10,11 +10,11 @@
 
 mod receive;
 mod send;
+mod since;
 mod threads;
 mod wait;
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use crate::filter::{Limits, Tally};
 
@@ -24,14 +24,4 @@ pub fn guard(domain: u16, limits: Limits) -> Arc<Tally> {
     send::link();
     wait::link();
     receive::guard(domain, limits)
-}
-
-/// Time since boot, including suspend.
-fn since_boot() -> Duration {
-    // SAFETY: all members are integers, for which zero is a valid value.
-    let mut time: libc::timespec = unsafe { std::mem::zeroed() };
-    // SAFETY: the system writes a time.
-    unsafe { libc::clock_gettime(libc::CLOCK_BOOTTIME, &raw mut time) };
-    let seconds = u64::try_from(time.tv_sec).unwrap_or(0);
-    Duration::new(seconds, u32::try_from(time.tv_nsec).unwrap_or(0))
 }

@@ -12,7 +12,7 @@ use std::ptr;
 use std::sync::atomic::{AtomicPtr, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
-use super::since_boot;
+use super::since::since_boot;
 use super::threads::is_rustdds;
 use crate::filter::{Guard, Limits, Tally};
 

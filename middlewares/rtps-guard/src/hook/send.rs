@@ -9,7 +9,7 @@ use std::ffi::{c_int, c_void};
 use std::ptr;
 use std::sync::atomic::{AtomicPtr, Ordering};
 
-use super::since_boot;
+use super::since::since_boot;
 use super::threads::is_rustdds;
 use crate::filter::{Announced, mended};
 

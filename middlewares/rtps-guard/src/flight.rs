@@ -12,12 +12,13 @@ const MOST: usize = 4 << 20;
 /// Samples of fewer bytes are not counted: RustDDS limits their number.
 const LARGE: usize = 64 << 10;
 
+/// What is on its way of one port: bytes of large samples since readers had all of them.
 #[derive(Debug, Default)]
-pub(crate) struct Flight(usize);
+pub struct Flight(usize);
 
 impl Flight {
     /// A sample is about to be sent. Has all earlier ones `settle` first if there are too many.
-    pub(crate) fn add(&mut self, bytes: usize, settle: impl FnOnce()) {
+    pub fn add(&mut self, bytes: usize, settle: impl FnOnce()) {
         if bytes < LARGE {
             return;
         }
