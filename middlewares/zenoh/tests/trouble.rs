@@ -1,6 +1,10 @@
 //! What keeps sessions from each other is told: endpoints, versions, certificates, access control.
 
-#![allow(clippy::unwrap_used, reason = "test code that stands outside of test functions")]
+#![allow(
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "test code that stands outside of test functions"
+)]
 
 use std::fs;
 use std::net::TcpListener;
