@@ -24,7 +24,8 @@ pub(crate) async fn read(session: &Session, window: Option<Duration>) -> Result<
         connections: session.ask(routes::connections()).await?.content.connections,
         middlewares: session
             .ask(
-                routes::middlewares().with(&MiddlewareParameters { visible: true, trouble: false }),
+                routes::middlewares()
+                    .with(&MiddlewareParameters { visible: true, ..Default::default() }),
             )
             .await
             .ok()

@@ -1,5 +1,7 @@
 //! What a session needs to do with a key, and which messages that takes.
 
+use genom_middleware::EndpointKind;
+
 /// What a session needs to do with a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
@@ -11,6 +13,16 @@ pub enum Role {
     Serves,
     /// Tells others that something of that name is there.
     Shows,
+}
+
+impl From<EndpointKind> for Role {
+    fn from(kind: EndpointKind) -> Self {
+        match kind {
+            EndpointKind::Publisher => Self::Writes,
+            EndpointKind::Subscription => Self::Reads,
+            EndpointKind::Service => Self::Serves,
+        }
+    }
 }
 
 impl Role {

@@ -1,6 +1,6 @@
 //! What keeps the session from others.
 
-use genom_middleware::{Address, EndpointKind, Obstacle};
+use genom_middleware::{Address, Obstacle};
 use genom_zenoh_doctor::{Examined, Role, examine};
 use zenoh::key_expr::OwnedKeyExpr;
 
@@ -20,12 +20,10 @@ pub(crate) fn trouble(core: &Core) -> Vec<Obstacle> {
 
 /// The keys of an end: its own, and the one by which others see it.
 fn used(core: &Core, token: &Token) -> Vec<(OwnedKeyExpr, Role)> {
-    let role = match token.kind {
-        EndpointKind::Publisher => Role::Writes,
-        EndpointKind::Subscription => Role::Reads,
-        EndpointKind::Service => Role::Serves,
-    };
     let own = Address::parse(&token.address).and_then(|at| core.keys().of(&at).ok());
     let shown = OwnedKeyExpr::new(core.keys().of_token(token)).ok();
-    own.map(|key| (key, role)).into_iter().chain(shown.map(|key| (key, Role::Shows))).collect()
+    own.map(|key| (key, token.kind.into()))
+        .into_iter()
+        .chain(shown.map(|key| (key, Role::Shows)))
+        .collect()
 }

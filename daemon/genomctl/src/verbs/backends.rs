@@ -17,7 +17,7 @@ pub(crate) struct Args {
 }
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let query = MiddlewareParameters { visible: args.visible, trouble: false };
+    let query = MiddlewareParameters { visible: args.visible, ..Default::default() };
     let reply = session.ask(routes::middlewares().with(&query)).await?;
     session.show(&reply, |reply| render(reply, session.terminal))
 }

@@ -30,11 +30,10 @@ const BACKENDS: [&str; 4] = ["shm", "zenoh", "ros2", ours::RMW_ZENOH];
 /// Ports through gateways.
 const THROUGH: &str = "--gateway";
 
-fn measure(name: &str, rounds: usize, period: u64, through: bool) -> Result<(), Box<dyn Error>> {
+fn measure(name: &str, rounds: usize, period: u64, ours: Way) -> Result<(), Box<dyn Error>> {
     let place = tempfile::tempdir()?;
-    let way = |is_bare| Way { middleware: name, is_bare, through_gateway: through };
-    let start = |is_bare| Side::start(way(is_bare), place.path(), period);
-    let mut sides = [start(true)?, start(false)?];
+    let start = |way| Side::start(name, way, place.path(), period);
+    let mut sides = [start(Way::Bare)?, start(ours)?];
     for bytes in SIZES {
         for side in &mut sides {
             side.open(bytes, rounds)?;
@@ -62,19 +61,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     // `cargo bench` adds `--bench`.
     let arguments: Vec<_> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let way = |word| Way::of(word).ok_or("no such way");
     match words[..] {
-        [side::WRITES, name, way, place, period] => {
-            return side::write(Way::of(name, way), Path::new(place), period.parse()?);
+        [side::WRITES, name, word, place, period] => {
+            return side::write(name, way(word)?, Path::new(place), period.parse()?);
         }
-        [side::READS, name, way, place] => {
-            return side::read(Way::of(name, way), Path::new(place));
+        [side::READS, name, word, place] => return side::read(name, way(word)?, Path::new(place)),
+        [gateway::GATEWAY, name, place, side] => {
+            return gateway::serve(name, Path::new(place), Path::new(side));
         }
         _ => {}
     }
-    if let [gateway::GATEWAY, name, place, side] = words[..] {
-        return gateway::serve(name, Path::new(place), Path::new(side));
-    }
-    let through = words.contains(&THROUGH);
+    let ours = if words.contains(&THROUGH) { Way::Gateways } else { Way::Ports };
     let number = |key: &str, default: u64| {
         let place = words.iter().position(|word| *word == key);
         place.map_or(Ok(default), |at| words.get(at + 1).unwrap_or(&"").parse())
@@ -88,7 +86,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         "", "bytes", "bare", "port, array", "+us      x", "port, sequence", "+us      x"
     );
     for name in BACKENDS.iter().filter(wanted) {
-        measure(name, usize::try_from(rounds)?, period, through)?;
+        measure(name, usize::try_from(rounds)?, period, ours)?;
     }
     Ok(())
 }

@@ -12,6 +12,11 @@ use genom_zenoh::Zenoh;
 /// ROS 2 over zenoh.
 pub(crate) const RMW_ZENOH: &str = "rmw_zenoh";
 
+/// The middleware that carries another one, or itself.
+pub(crate) fn carrier(name: &str) -> &str {
+    if name == RMW_ZENOH { "zenoh" } else { name }
+}
+
 /// Both processes use the same folder, which nothing else uses.
 pub(crate) fn open(name: &str, place: &Path, reads: bool) -> Arc<dyn Middleware> {
     match name {

@@ -23,26 +23,28 @@ pub(crate) const READS: &str = "--reads";
 const TURN: &str = "ready";
 
 /// What a sample goes through.
-#[derive(Clone, Copy)]
-pub(crate) struct Way<'a> {
-    pub(crate) middleware: &'a str,
-    pub(crate) is_bare: bool,
-    pub(crate) through_gateway: bool,
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Way {
+    Bare,
+    Ports,
+    /// Ports, with a gateway on each side.
+    Gateways,
 }
 
-impl Way<'_> {
-    /// As a word of a command line.
+impl Way {
+    const ALL: [Self; 3] = [Self::Bare, Self::Ports, Self::Gateways];
+
+    /// On a command line.
     fn word(self) -> &'static str {
         match self {
-            Self { is_bare: true, .. } => "bare",
-            Self { through_gateway: true, .. } => "gateways",
-            Self { .. } => "ports",
+            Self::Bare => "bare",
+            Self::Ports => "ports",
+            Self::Gateways => "gateways",
         }
     }
 
-    pub(crate) fn of<'a>(middleware: &'a str, word: &str) -> Way<'a> {
-        let (is_bare, through_gateway) = (word == "bare", word == "gateways");
-        Way { middleware, is_bare, through_gateway }
+    pub(crate) fn of(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|way| way.word() == word)
     }
 }
 
@@ -55,9 +57,14 @@ pub(crate) struct Side {
 
 impl Side {
     /// Starts its writing process, which starts the reading one.
-    pub(crate) fn start(way: Way<'_>, place: &Path, period: u64) -> Result<Self, Box<dyn Error>> {
+    pub(crate) fn start(
+        name: &str,
+        way: Way,
+        place: &Path,
+        period: u64,
+    ) -> Result<Self, Box<dyn Error>> {
         let mut process = Command::new(std::env::current_exe()?)
-            .args([WRITES, way.middleware, way.word()])
+            .args([WRITES, name, way.word()])
             .arg(place)
             .arg(period.to_string())
             .stdin(Stdio::piped())
@@ -113,18 +120,18 @@ enum Open {
 }
 
 impl Open {
-    fn of(way: Way<'_>, place: &Path, reads: bool) -> Result<Self, Box<dyn Error>> {
-        let known = BACKENDS.into_iter().find(|known| *known == way.middleware);
+    fn of(name: &str, way: Way, place: &Path, reads: bool) -> Result<Self, Box<dyn Error>> {
+        let known = BACKENDS.into_iter().find(|known| *known == name);
         let name = known.ok_or("no such backend")?;
-        let carries = if name == ours::RMW_ZENOH { "zenoh" } else { name };
         Ok(match way {
-            Way { is_bare: true, .. } => {
-                Self::Bare(bare::open(carries, place, reads)?.ok_or("no such middleware")?)
+            Way::Bare => {
+                let bare = bare::open(ours::carrier(name), place, reads)?;
+                Self::Bare(bare.ok_or("no such middleware")?)
             }
-            Way { through_gateway: true, .. } if name != "shm" => {
+            Way::Gateways if name != "shm" => {
                 Self::Through(gateway::Through::open(name, place, reads))
             }
-            Way { .. } => Self::Ours(ours::open(name, place, reads)),
+            Way::Ports | Way::Gateways => Self::Ours(ours::open(name, place, reads)),
         })
     }
 
@@ -146,10 +153,10 @@ impl Open {
 }
 
 /// The writing process. It asks before each round, so that the rounds of both sides alternate.
-pub(crate) fn write(way: Way<'_>, place: &Path, period: u64) -> Result<(), Box<dyn Error>> {
-    let open = Open::of(way, place, false)?;
+pub(crate) fn write(name: &str, way: Way, place: &Path, period: u64) -> Result<(), Box<dyn Error>> {
+    let open = Open::of(name, way, place, false)?;
     let at = place.display().to_string();
-    let mut reader = Reader::start(&[READS, way.middleware, way.word(), &at])?;
+    let mut reader = Reader::start(&[READS, name, way.word(), &at])?;
     while let Some((bytes, rounds)) = told().and_then(|line| two(&line)) {
         let mut ends = open.writers(bytes)?;
         reader.open(bytes)?;
@@ -183,7 +190,7 @@ fn two(line: &str) -> Option<(usize, usize)> {
 }
 
 /// The reading process.
-pub(crate) fn read(way: Way<'_>, place: &Path) -> Result<(), Box<dyn Error>> {
-    let open = Open::of(way, place, true)?;
+pub(crate) fn read(name: &str, way: Way, place: &Path) -> Result<(), Box<dyn Error>> {
+    let open = Open::of(name, way, place, true)?;
     Ok(pair::serve(|bytes| open.readers(bytes))?)
 }

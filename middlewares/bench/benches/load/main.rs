@@ -57,11 +57,6 @@ impl Way {
     }
 }
 
-/// The middleware that carries another one, or itself.
-fn carrier(name: &str) -> &str {
-    if name == ours::RMW_ZENOH { "zenoh" } else { name }
-}
-
 fn main() -> Result<(), Box<dyn Error>> {
     // `cargo bench` adds `--bench`.
     let arguments: Vec<_> = std::env::args().skip(1).filter(|word| word != "--bench").collect();

@@ -11,7 +11,7 @@ use genom_bench::{FloorError, bare, clock, octets};
 use genom_middleware::{Address, Middleware, Policy};
 
 use crate::ends::reader;
-use crate::{FLOWS, Flow, Way, calls, carrier, ours, usage};
+use crate::{FLOWS, Flow, Way, calls, ours, usage};
 
 /// Nanoseconds from one look for samples to the next, like a task of 1 kHz.
 const PERIOD: u64 = 1_000_000;
@@ -96,7 +96,7 @@ pub(crate) fn serve(name: &str, place: &Path, what: &str) -> Result<(), Box<dyn 
         let middleware = ours::open(name, place, true);
         return flow(&mut ports(&*middleware, flow_of));
     }
-    let bare = bare::open(carrier(name), place, true)?.ok_or("no such middleware")?;
+    let bare = bare::open(ours::carrier(name), place, true)?.ok_or("no such middleware")?;
     // Topics of bare middlewares are named by the sizes of their values.
     let ends = (0..flow_of.topics).map(|topic| bare.reader(flow_of.bytes + topic));
     flow(&mut ends.collect::<Result<Vec<_>, _>>()?)

@@ -14,7 +14,7 @@ use genom_middleware::Middleware;
 
 use crate::ends::writer;
 use crate::reading::topic;
-use crate::{FLOWS, Flow, READER, Way, carrier, ours, usage};
+use crate::{FLOWS, Flow, READER, Way, ours, usage};
 
 /// Nanoseconds between two samples on each topic until all readers have got one.
 const MEETING: u64 = 50_000_000;
@@ -112,9 +112,9 @@ pub(crate) fn flow(name: &str, flow: &Flow, way: Way, seconds: u32) -> Result<()
     let what = format!("{} {number}", way.word());
     // Held until the end: ports and writers do not live longer.
     let bare = match way {
-        Way::Bare => {
-            Some(bare::open(carrier(name), place.path(), false)?.ok_or("not between processes")?)
-        }
+        Way::Bare => Some(
+            bare::open(ours::carrier(name), place.path(), false)?.ok_or("not between processes")?,
+        ),
         Way::Ports => None,
     };
     let middleware = bare.is_none().then(|| ours::open(name, place.path(), false));

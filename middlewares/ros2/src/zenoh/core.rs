@@ -64,12 +64,15 @@ pub(crate) struct Draft {
 }
 
 impl Draft {
+    fn of(end: End, node: Arc<NodeShown>, domain: u16) -> Self {
+        let token = end.token(domain);
+        let gid = keys::gid(&token);
+        Self { end, node, token, gid }
+    }
+
     /// The same end, which reads [`keys::of_buffers`], too.
-    pub(crate) fn with_buffers(mut self, domain: u16) -> Self {
-        self.end.buffers = true;
-        self.token = self.end.token(domain);
-        self.gid = keys::gid(&self.token);
-        self
+    pub(crate) fn with_buffers(self, domain: u16) -> Self {
+        Self::of(End { buffers: true, ..self.end }, self.node, domain)
     }
 }
 
@@ -256,12 +259,9 @@ impl Core {
         let number = claimed.flatten().unwrap_or_else(|| self.number());
         let hash = of.hash.clone().ok_or_else(|| EndError::NoHash(of.ty.clone()))?;
         let (name, ty) = (of.name.clone(), of.ty.to_dds(""));
-        let node_of = node.node.clone();
-        let buffers = false;
-        let end = End { node: node_of, number, kind, name, ty, hash, quality, buffers };
-        let token = end.token(self.domain);
-        let gid = keys::gid(&token);
-        Ok(Draft { end, node, token, gid })
+        let shown = node.node.clone();
+        let end = End { node: shown, number, kind, name, ty, hash, quality, buffers: false };
+        Ok(Draft::of(end, node, self.domain))
     }
 
     pub(crate) fn show(&self, draft: &Draft) -> zenoh::Result<Shown> {

@@ -1,6 +1,6 @@
 //! What keeps the session from others.
 
-use genom_middleware::{EndpointKind, Obstacle};
+use genom_middleware::Obstacle;
 use genom_zenoh_doctor::{Examined, Role, examine};
 use zenoh::key_expr::OwnedKeyExpr;
 
@@ -15,10 +15,5 @@ pub(crate) fn trouble(core: &Core) -> Vec<Obstacle> {
 }
 
 fn used(core: &Core, end: &Wanted) -> Option<(OwnedKeyExpr, Role)> {
-    let role = match end.kind {
-        EndpointKind::Publisher => Role::Writes,
-        EndpointKind::Subscription => Role::Reads,
-        EndpointKind::Service => Role::Serves,
-    };
-    Some((keys::of(core.domain, &end.of).ok()?, role))
+    Some((keys::of(core.domain, &end.of).ok()?, end.kind.into()))
 }

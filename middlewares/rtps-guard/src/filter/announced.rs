@@ -29,8 +29,13 @@ struct Writer {
 pub(crate) struct Announced(HashMap<Entity, Writer>);
 
 impl Announced {
-    /// What to send instead of a message of ours; `None` if it may go as it is.
-    pub(crate) fn narrowed(&mut self, message: &[u8], now: Duration) -> Option<Vec<u8>> {
+    /// What to send instead of a message of ours; `None` if it may go as it is. The time is looked
+    /// at only for a heartbeat that may have to wait.
+    pub(crate) fn narrowed(
+        &mut self,
+        message: &[u8],
+        now: impl Fn() -> Duration,
+    ) -> Option<Vec<u8>> {
         // An empty map has nothing to narrow, and most messages have no heartbeat.
         if self.0.is_empty() {
             return None;
@@ -42,7 +47,7 @@ impl Announced {
             if head.kind == kind::HEARTBEAT
                 && let Some(body) = message.get(head.body.clone())
                 && let Ok((writer, first, last)) = heartbeat(body, head.little())
-                && let Some(narrowed) = self.heartbeat(writer, first, last, now)
+                && let Some(narrowed) = self.heartbeat(writer, first, last, &now)
             {
                 let left = left.get_or_insert_with(|| message.to_vec());
                 if let Some(body) = left.get_mut(head.body) {
@@ -54,11 +59,18 @@ impl Announced {
     }
 
     /// The last number to announce instead; `None` if it may be announced.
-    fn heartbeat(&mut self, writer: Entity, first: i64, last: i64, now: Duration) -> Option<i64> {
+    fn heartbeat(
+        &mut self,
+        writer: Entity,
+        first: i64,
+        last: i64,
+        now: impl Fn() -> Duration,
+    ) -> Option<i64> {
         let Writer { sent, waits } = self.0.get_mut(&writer)?;
         if last <= *sent {
             return None;
         }
+        let now = now();
         let since = match *waits {
             Some((number, since)) if number > *sent => since,
             _ => now,
@@ -137,7 +149,7 @@ mod tests {
         /// What the heartbeat says that announces these.
         fn says(&mut self, first: i64, last: i64) -> (i64, i64) {
             let message = US.message(&[heartbeat(USER, first, last, 1)]);
-            let narrowed = self.0.narrowed(&message, self.1).unwrap_or(message);
+            let narrowed = self.0.narrowed(&message, || self.1).unwrap_or(message);
             let head = Head::read(&narrowed, HEADER).unwrap().unwrap();
             let (_, first, last) = super::heartbeat(&narrowed[head.body], true).unwrap();
             (first, last)

@@ -13,6 +13,7 @@
 //! prevents that, which RustDDS is not built with here, or a network without strangers.
 
 mod announced;
+mod answer;
 mod discovery;
 mod flows;
 mod limits;
@@ -30,6 +31,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 pub(crate) use announced::Announced;
+use answer::Answer;
 pub use limits::Limits;
 pub(crate) use mend::mended;
 pub use tally::{Reason, Tally};
@@ -39,7 +41,7 @@ use flows::{Flows, Heard};
 use message::{Entity, Fields, HEADER, Head, Prefix, is_builtin, kind, put_number};
 use peers::Peers;
 use pieces::{Piece, Pieces};
-use repairs::{Answer, Repairs};
+use repairs::Repairs;
 
 /// The entity id that stands for no particular entity (9.3.1.5).
 const UNKNOWN: Entity = [0; 4];

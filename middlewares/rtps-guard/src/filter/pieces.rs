@@ -3,9 +3,9 @@
 use std::collections::{HashMap, VecDeque};
 use std::time::Duration;
 
+use super::answer::Answer;
 use super::limits::{ASSEMBLIES, GIVEN_UP, Limits};
 use super::message::{Entity, Prefix};
-use super::repairs::Answer;
 use super::tally::Reason;
 
 /// Identifies a sample: participant, writer, sequence number.

@@ -12,6 +12,7 @@
 use std::collections::HashMap;
 use std::time::Duration;
 
+use super::answer::Answer;
 use super::limits::FLOWS;
 use super::message::{Entity, Fields, Prefix, kind, put_number};
 use super::tally::Reason;
@@ -38,19 +39,6 @@ struct State {
     partial: Option<i64>,
     /// The sample that is sent again, since when, and for how long no other is.
     again: Option<(i64, Duration, Duration)>,
-}
-
-/// What becomes of a request.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Answer {
-    Pass,
-    /// There is nothing new in it.
-    Drop,
-    /// Ask for the whole sample, with this base.
-    Whole {
-        base: i64,
-        number: i64,
-    },
 }
 
 #[derive(Debug, Default)]

@@ -45,7 +45,7 @@ unsafe extern "C" fn sendto(
         let message = unsafe { std::slice::from_raw_parts(bytes.cast::<u8>(), length) };
         let mended = mended(message);
         let meant = mended.as_deref().unwrap_or(message);
-        let narrowed = with_announced(|announced| announced.narrowed(meant, since_boot()));
+        let narrowed = with_announced(|announced| announced.narrowed(meant, since_boot));
         let narrowed = narrowed.flatten();
         let out = narrowed.as_deref().unwrap_or(meant);
         // SAFETY: the address is the caller's, the bytes are there until the call returns.

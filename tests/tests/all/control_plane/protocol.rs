@@ -158,7 +158,7 @@ fn replies_are_read_without_loss() {
     read_whole(&daemon, &routes::dump());
     read_whole(&daemon, &routes::logs());
     read_whole(&daemon, &routes::clock());
-    let visible = MiddlewareParameters { visible: true, trouble: false };
+    let visible = MiddlewareParameters { visible: true, ..Default::default() };
     read_whole(&daemon, &routes::middlewares().with(&visible));
     read_whole(&daemon, &routes::daemons());
     read_whole(&daemon, &routes::disconnect("demo", "parameter"));
