@@ -134,6 +134,39 @@ fn a_stop_comes_after_what_does_not_end_the_activity() {
 }
 
 #[test]
+fn a_task_waits_for_the_first_cycle_of_another_one_if_that_is_not_over_by_the_first_tick() {
+    // `fast` ticks at 1 ms and then waits for `sb` until 3.6 ms.
+    let text = "component c { ids { long m; };
+      task fast { period 2 ms; delay 1 ms; codel<start> fa(inout m) yield pause::start wcet 500 us; };
+      task slow { period 10 ms; codel<start> sa() yield next wcet 100 us;
+        codel<next> sb(inout m) yield pause::main wcet 3 ms;
+        codel<main> sc(inout m) yield pause::main wcet 100 us; }; };";
+    let system = system(text, Bounds { kill: false, ..small() });
+    let limits = Limits { time: std::time::Duration::MAX, ..Limits::default() };
+    let zones = system.check_times(&system.declared_times(), &limits);
+    assert!(zones.tasks[0].is_late());
+    let found = schedule(text, &[], Processors::Own);
+    assert!(one(&found, "fast").response.is_err(), "{}", found.text());
+}
+
+#[test]
+fn a_node_that_takes_no_time_may_be_arrived_at_when_another_task_ticks() {
+    // `fb` arrives 2 ms after its tick, when `sa` begins. First cycles are over long before.
+    let text = "component c { ids { long m; };
+      task fast { period 16 ms; delay 6 ms; codel<start> f0() yield pause::main wcet 1 us;
+        codel<main> fa() yield next wcet 2 ms;
+        codel<next> fb(inout m) yield pause::main wcet 1 ms; };
+      task slow { period 16 ms; delay 8 ms; codel<start> s0() yield pause::main wcet 1 us;
+        codel<main> sa(inout m) yield pause::main wcet 3 ms; }; };";
+    let system = system(text, Bounds { kill: false, ..small() });
+    let times = times(&system, &[("fb", 0)]);
+    let limits = Limits { time: std::time::Duration::MAX, ..Limits::default() };
+    let zones = system.check_times(&times, &limits);
+    assert_eq!(zones.tasks[0].response, Some(5 * MS));
+    assert_eq!(one(&system.schedule(&times, Processors::Own, 0), "fast").response, Ok(5 * MS));
+}
+
+#[test]
 fn bounds_are_never_below_what_zones_find() {
     let (mut compared, mut equal) = (0, 0);
     for seed in 0..200 {

@@ -42,16 +42,17 @@ impl Startup {
         Self { ends, lasts }
     }
 
-    /// Whether all first cycles are over before the first tick of any task.
+    /// Whether all first cycles are over before the first tick of any task. Else a cycle that a tick
+    /// begins may wait for what others only execute in theirs.
     pub(super) fn is_regular(&self, system: &System) -> bool {
-        let periods = system.periods.iter().enumerate();
-        let mut periodic = periods.filter_map(|(task, period)| Some((task, (*period)?)));
-        periodic.all(|(task, period)| self.is_before(task, period))
+        let first = system.periods.iter().flatten().map(|period| first_tick(*period)).min();
+        let periodic = system.periods.iter().zip(&self.ends).filter(|(period, _)| period.is_some());
+        let mut ends = periodic.map(|(_, ends)| *ends);
+        ends.all(|ends| ends.is_some_and(|ends| Some(ends) < first))
     }
 
     fn is_before(&self, task: usize, period: Period) -> bool {
-        let tick = if period.delay > 0 { period.delay } else { period.period };
-        self.ends[task].is_some_and(|ends| ends < tick)
+        self.ends[task].is_some_and(|ends| ends < first_tick(period))
     }
 
     /// The longest time from a tick to the end of its cycle, if it may have been kept until the
@@ -71,4 +72,9 @@ impl Startup {
             (response, _) => response,
         }
     }
+}
+
+/// The first tick of a task after the start-up.
+fn first_tick(period: Period) -> u64 {
+    if period.delay > 0 { period.delay } else { period.period }
 }

@@ -58,6 +58,9 @@ impl<'a> Window<'a> {
         let others: Vec<Other> =
             known.iter().filter_map(|other| self.other(other, task, &linked)).take(MOST).collect();
         let late = known[usize::from(task)].load.late;
+        // A node that takes no time may be arrived at when the cycle would end, and others tick.
+        let most = |node: &u16| self.times.of(*node).most.unwrap_or(0);
+        let reach = u64::from(self.contexts.of(task).iter().any(|node| most(node) == 0));
         let mut best: Option<(Cycle, Vec<Meanwhile>)> = None;
         let mut least = cycle.cost;
         for chosen in 1u32..1 << others.len() {
@@ -68,7 +71,8 @@ impl<'a> Window<'a> {
             let counts = (&rest as &dyn Fn(u16) -> bool, Adds::Chain);
             let costs = Costs::new(self.system, self.times, self.contexts, task, counts);
             let Ok(cycle) = Cycle::new(self.system, task, costs, Cycles::Ticks) else { continue };
-            if let Some((cost, meanwhile)) = self.settled(cycle.cost, late, period, &chosen)
+            if let Some((cost, meanwhile)) =
+                self.settled(cycle.cost, (late, reach), period, &chosen)
                 && cost < least
             {
                 least = cost;
@@ -100,11 +104,11 @@ impl<'a> Window<'a> {
     }
 
     /// The length of a cycle that counts what others execute meanwhile; `None` if it does not end
-    /// before the next tick.
+    /// before the next tick. Others count that tick less than `reach` after its end.
     fn settled(
         &self,
         own: u64,
-        late: u64,
+        (late, reach): (u64, u64),
         period: Period,
         others: &[Other],
     ) -> Option<(u64, Vec<Meanwhile>)> {
@@ -115,7 +119,7 @@ impl<'a> Window<'a> {
                 return None;
             }
             let cycles: Vec<u64> =
-                others.iter().map(|other| cycles(period, length, other)).collect();
+                others.iter().map(|other| cycles(period, length + reach, other)).collect();
             let meanwhile = others.iter().zip(&cycles);
             let meanwhile = meanwhile.map(|(other, cycles)| cycles.saturating_mul(other.each));
             let next = meanwhile.fold(own, u64::saturating_add);
