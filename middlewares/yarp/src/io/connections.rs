@@ -43,8 +43,6 @@ pub(super) struct Reactor {
     pub(super) held: usize,
     /// Whether some source has a deadline.
     pub(super) timed: bool,
-    /// Connections to close after the event.
-    pub(super) cut: Vec<u64>,
 }
 
 /// A connection that another dialled.

@@ -275,7 +275,7 @@ impl Reactor {
                 if let Role::Out(out) = &port.role
                     && let Some(former) = out.join(link)
                 {
-                    self.cut.push(former);
+                    self.close(former, Lost::Gone);
                 }
                 tracing::info!(from = port.name, to, carrier = carrier.name(), "YARP connection");
                 if let Some(answer) = answer.take() {

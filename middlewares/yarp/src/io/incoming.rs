@@ -10,6 +10,7 @@ use rustix::event::epoll::EventFlags;
 use rustix::net::sockopt;
 
 use super::connections::{Incoming, Reactor, Source};
+use super::errands::Lost;
 use crate::admin::{self, Then};
 use crate::bottle::Value;
 use crate::inbound::{Event, Inbound};
@@ -319,7 +320,10 @@ impl Reactor {
         match then {
             Then::Reply(reply) => return self.reply(token, incoming, reply),
             Then::Cut { tokens, reply } => {
-                self.cut.extend(tokens.into_iter().filter(|cut| *cut != token));
+                // Before the answer: who has it may write at once, and that must not arrive.
+                for cut in tokens.into_iter().filter(|cut| *cut != token) {
+                    self.close(cut, Lost::Gone);
+                }
                 return self.reply(token, incoming, reply);
             }
             Then::Connect { to, carrier, answer } => {

@@ -41,7 +41,6 @@ fn run(io: Io, around: Around) {
         incoming: 0,
         held: 0,
         timed: false,
-        cut: Vec::new(),
     };
     while reactor.turn() {}
     // Those who wait for an answer hear that there is none.
@@ -72,9 +71,6 @@ impl Reactor {
             match event.data.u64() {
                 WAKE => goes_on = self.obey(),
                 token => self.happened(token, event.flags),
-            }
-            while let Some(token) = self.cut.pop() {
-                self.close(token, Lost::Gone);
             }
         }
         if self.timed {
