@@ -83,7 +83,7 @@ fn token(session: &str, number: usize, kind: &str, name: &str, ty: &str) -> Stri
 
 /// What else a daemon tells of an out port.
 fn told(session: &str, number: usize, digest: &str) -> String {
-    format!("@genom_ros2/0/{session}/{number}/pub/{digest}/t/demo%2fposition")
+    format!("@genom_ros2/0/{session}/0/{number}/pub/{digest}/t/demo%2fposition")
 }
 
 /// The attachment of a sample of this number.
@@ -216,9 +216,9 @@ fn tokens_of_no_form_and_of_too_many_sessions_are_refused_and_the_rest_is_listed
         "@ros2_lv/0/aa/0/99999999999999999999/MP/%/%/n/%x/T/RIHS01_1/::,7:,:,:,,",
         &good.replace("some", "\u{1b}[2J"),
         &long,
-        "@genom_ros2/0/aa/1/pub/d",
-        "@genom_ros2/0/aa/1/pub/d/%zz/x",
-        "@genom_ros2/0/aa/1/pub/d/%1b%5b2J/x",
+        "@genom_ros2/0/aa/0/1/pub/d",
+        "@genom_ros2/0/aa/0/1/pub/d/%zz/x",
+        "@genom_ros2/0/aa/0/1/pub/d/%1b%5b2J/x",
     ];
     let held = bad.map(|key| attacker.token(key));
     eventually("all are refused", || refused(&ros2, "no liveliness token") == 8);
