@@ -85,7 +85,8 @@ pub(crate) fn serve(name: &str, place: &Path, what: &str) -> Result<(), Box<dyn 
         let middleware = ours::open(name, place, true);
         let _served = calls::serve(&*middleware);
         tell("connected")?;
-        while questions().recv().is_ok() {
+        let asked = questions();
+        while asked.recv().is_ok() {
             tell(&format!("0 {}", usage::processor().as_millis()))?;
         }
         return Ok(());
