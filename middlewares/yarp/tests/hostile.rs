@@ -19,7 +19,7 @@ use genom_middleware::{
 use genom_types::Record;
 use genom_yarp::{Options, Yarp};
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
-use world::Place;
+use world::{Place, has, until};
 
 fn position() -> Address {
     Address::new("demo", "position")
@@ -239,13 +239,8 @@ fn requests_that_are_no_requests_are_answered_or_ended() {
     for text in ["(((((", "echo 1 (2", "\"", "[toolong]", "{300}", &"(".repeat(100_000)] {
         let mut stream = dial();
         stream.write_all(format!("CONNACK x\r\nd\r\n{text}\r\n").as_bytes()).unwrap();
-        let mut said = Vec::new();
-        let mut piece = [0; 512];
-        while !said.windows(5).any(|five| five == b"<ACK>") {
-            let size = stream.read(&mut piece).unwrap();
-            assert!(size > 0, "{text:.20}");
-            said.extend_from_slice(&piece[..size]);
-        }
+        let said = until(&mut stream, b"<ACK>").unwrap();
+        assert!(has(&said, b"<ACK>"), "{text:.20}");
     }
     // Requests whose answers nobody reads.
     let mut deaf = dial();

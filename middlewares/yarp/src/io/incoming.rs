@@ -320,8 +320,9 @@ impl Reactor {
         match then {
             Then::Reply(reply) => return self.reply(token, incoming, reply),
             Then::Cut { tokens, reply } => {
-                // Before the answer: who has it may write at once, and that must not arrive.
-                for cut in tokens.into_iter().filter(|cut| *cut != token) {
+                // Before the answer: who has it may write at once, and that must not arrive. The one
+                // who asks is taken out of the sources meanwhile, so that it is not closed here.
+                for cut in tokens {
                     self.close(cut, Lost::Gone);
                 }
                 return self.reply(token, incoming, reply);

@@ -30,6 +30,22 @@ pub(crate) struct Place {
     server: Mutex<Option<Child>>,
 }
 
+/// Reads until these bytes have come, or the end. Returns all that came.
+pub(crate) fn until(stream: &mut TcpStream, mark: &[u8]) -> std::io::Result<Vec<u8>> {
+    let (mut got, mut piece) = (Vec::new(), [0; 4096]);
+    loop {
+        let size = stream.read(&mut piece)?;
+        got.extend_from_slice(&piece[..size]);
+        if size == 0 || has(&got, mark) {
+            return Ok(got);
+        }
+    }
+}
+
+pub(crate) fn has(bytes: &[u8], mark: &[u8]) -> bool {
+    bytes.windows(mark.len()).any(|window| window == mark)
+}
+
 /// A number that nothing listens at, below those that the system gives to connections.
 fn free_port() -> u16 {
     static NEXT: AtomicU32 = AtomicU32::new(0);
@@ -125,15 +141,7 @@ impl Place {
         let mut stream = TcpStream::connect(("127.0.0.1", self.port))?;
         stream.set_read_timeout(Some(Duration::from_secs(10)))?;
         stream.write_all(format!("NAME_SERVER {command}\n").as_bytes())?;
-        let (mut answer, mut piece) = (Vec::new(), [0; 4096]);
-        loop {
-            let size = stream.read(&mut piece)?;
-            answer.extend_from_slice(&piece[..size]);
-            let text = String::from_utf8_lossy(&answer);
-            if size == 0 || text.contains("*** end") {
-                return Ok(text.into_owned());
-            }
-        }
+        Ok(String::from_utf8_lossy(&until(&mut stream, b"*** end")?).into_owned())
     }
 
     /// Where a port listens.
