@@ -96,6 +96,7 @@ impl System {
             });
             if let Some(run) = run {
                 (found.overrun, found.open) = (self.dated(times, &run), false);
+                found.spent = self.spent(times, &run, *task);
                 found.course = Course { steps: run };
                 // The longest cycle of what was seen need not be the longest one.
                 found.response = None;

@@ -11,6 +11,7 @@ mod action;
 mod apart;
 mod bounds;
 mod codels;
+mod columns;
 mod enabled;
 mod explore;
 mod export;
@@ -55,7 +56,7 @@ pub use state::{At, Life, Mode, Pc, Pending, Phase, Place, Run, State, Step, Tas
 pub use system::{Period, System};
 pub use text::text;
 pub use timed::{
-    Dated, Duration, Longest, Overrun, Response, Seen, TaskReport, Timed, TimedReport, Times,
+    Dated, Duration, Longest, Overrun, Response, Seen, Spent, TaskReport, Timed, TimedReport, Times,
 };
 pub use variant::Variant;
 pub use words::Line;

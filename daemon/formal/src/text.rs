@@ -5,12 +5,11 @@ use std::fmt::Write as _;
 use genom_description::model::Span;
 use genom_description::source::SourceMap;
 
+use crate::bounds::Bounds;
+use crate::columns::columns;
 use crate::found::{Found, Ticks};
 use crate::property::{Finding, Verdict};
-use crate::timed::{Dated, Longest, Response, TaskReport};
-
-/// Steps shown at the end of a run with dates.
-const LAST: usize = 20;
+use crate::timed::{Longest, Response, Spent, TaskReport};
 
 /// What was found, for people; with places in the description.
 #[must_use]
@@ -48,7 +47,26 @@ pub fn text(found: &Found, sources: &SourceMap) -> String {
         let (states, zones) = (times.explored.states(), times.explored.zones());
         let _ = writeln!(text, "with times: {states} states, {zones} zones");
     }
+    assumed(&mut text, found);
     text
+}
+
+/// Under which assumptions all this was found.
+fn assumed(text: &mut String, found: &Found) {
+    let Bounds { instances, requests, abort, fire, kill, .. } = found.system.bounds();
+    let without = [(abort, "aborts"), (fire, "events"), (kill, "shutdown")];
+    let without = without.into_iter().filter(|(is_there, _)| !*is_there);
+    let without: String = without.map(|(_, what)| format!(", no {what}")).collect();
+    let times = match &found.ticks {
+        Ticks::Seen(_) => ", take at most the times known of them, and wait for no processor",
+        Ticks::Unknown(..) | Ticks::Unasked => "",
+    };
+    let requests = format!("{requests} request{}", if *requests == 1 { "" } else { "s" });
+    let _ = writeln!(
+        text,
+        "assumed: at most {requests} at a time and {instances} activities of each \
+         service{without}; codels yield all that they may{times}"
+    );
 }
 
 fn line(text: &mut String, name: &str, verdict: &str) {
@@ -73,17 +91,29 @@ fn task(text: &mut String, task: &TaskReport, limit: Option<&str>, sources: &Sou
         (true, Some(limit)) => line(text, "overrun", &format!("{name} not decided: {limit}")),
         (false, _) => {
             line(text, "overrun", &format!("{name} VIOLATED"));
-            let from = task.overrun.len().saturating_sub(LAST);
-            if from > 0 {
-                let _ = writeln!(text, "    {from} steps before");
-            }
-            task.overrun[from..].iter().for_each(|one| dated(text, one, sources));
-            let _ = writeln!(text, "    {} is still at work at its tick", task.name);
-            for (codel, below) in &task.needed {
-                let below = duration(*below);
-                let _ = writeln!(text, "    holds if {codel} takes less than {below}");
-            }
+            text.push_str(&columns(task, |span| place(span, sources)));
+            cycle(text, task);
         }
+    }
+}
+
+/// What the cycle is made of that is late, and what would have to be shorter.
+fn cycle(text: &mut String, task: &TaskReport) {
+    let _ = writeln!(text, "    {} is still at work at its tick:", task.name);
+    let last = task.spent.len().saturating_sub(1);
+    for (at, Spent { codel, awaited, ns }) in task.spent.iter().enumerate() {
+        let waits = match awaited.as_slice() {
+            [] => String::new(),
+            awaited => format!(" waits for {}", awaited.join(", ")),
+        };
+        let on = if at == last { ", and goes on" } else { "" };
+        let _ = writeln!(text, "  {:>12}  {codel}{waits}{on}", duration(*ns));
+    }
+    let most = task.response.filter(|most| *most > task.period);
+    let most = most.map_or_else(String::new, |most| format!("; it may take {}", duration(most)));
+    let _ = writeln!(text, "  {:>12}  are there{most}", duration(task.period));
+    for (codel, below) in &task.needed {
+        let _ = writeln!(text, "    holds if {codel} takes less than {}", duration(*below));
     }
 }
 
@@ -103,12 +133,6 @@ fn longest(longest: &Longest, never: &str, what: &str, after: &str) -> String {
         Longest::Unbounded(why) => format!("has no time in which it {what} {after}: {why}"),
         Longest::Undecided(why) => format!("when it {what} {after} is not decided: {why}"),
     }
-}
-
-fn dated(text: &mut String, dated: &Dated, sources: &SourceMap) {
-    let line = &dated.line;
-    let at = place(line.span, sources);
-    let _ = writeln!(text, "  {:>12}  {}: {}{at}", duration(dated.date), line.who, line.what);
 }
 
 /// A time in nanoseconds, in milliseconds.

@@ -69,6 +69,10 @@ fn an_overrun_is_shown_with_dates_and_who_waits_for_whom() {
             "50 ms fast: tick",
         ]
     );
+    // What the cycle that is late is made of: its whole period.
+    let parts = report.tasks[0].spent.iter();
+    let parts: Vec<_> = parts.map(|one| (one.codel.as_str(), &one.awaited[..], one.ns)).collect();
+    assert_eq!(parts, [("fa", &["sb".to_owned()][..], 7 * MS), ("fa", &[], 3 * MS)]);
     // Either would do: `sb` shorter than what `fa` leaves, or the other way round.
     let needed = [("fa".to_owned(), 2 * MS), ("sb".to_owned(), 7 * MS)];
     let mut found = report.tasks[0].needed.clone();

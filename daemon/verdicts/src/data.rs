@@ -24,8 +24,13 @@ pub(crate) fn data(found: &Found, sources: &SourceMap) -> Value {
             (json!(all), json!(times.limit().map(|limit| limit.to_string())))
         }
     };
+    let bounds = found.system.bounds();
     json!({
         "component": found.system.plan().component().name,
+        "assumed": {
+            "requests": bounds.requests, "activities": bounds.instances,
+            "aborts": bounds.abort, "events": bounds.fire, "shutdown": bounds.kill,
+        },
         "verdicts": verdicts,
         "formulas": formulas,
         "states": found.report.explored.as_ref().map(|explored| explored.states),
@@ -80,6 +85,9 @@ fn task(task: &TaskReport, sources: &SourceMap) -> Value {
         "period_ns": task.period,
         "response_ns": task.response,
         "overrun": overrun,
+        "spent": task.spent.iter().map(|spent| json!({
+            "codel": spent.codel, "waits_for": spent.awaited, "ns": spent.ns,
+        })).collect::<Vec<_>>(),
         "needed": task.needed.iter().map(|(codel, below)| json!({
             "codel": codel, "below_ns": below,
         })).collect::<Vec<_>>(),

@@ -4,6 +4,7 @@ use super::dates::dates;
 use super::explore::Timed;
 use super::respond::Response;
 use super::slack::involved;
+use super::spent::Spent;
 use super::times::Times;
 use crate::action::Action;
 use crate::explore::{Limit, Limits};
@@ -63,6 +64,9 @@ pub struct TaskReport {
     pub bound: bool,
     /// A run in which a tick comes while the task is at work; empty if there is none.
     pub overrun: Vec<Dated>,
+    /// What it does in that run from its last tick but one on; together, that is its period, unless it
+    /// is late in its first cycle.
+    pub spent: Vec<Spent>,
     /// A run of all tasks to an overrun, step by step; empty if there is none, or none was found.
     pub course: Course,
     /// Codels, and the time in nanoseconds below which each would have to stay so that there is no
@@ -108,6 +112,7 @@ impl System {
                     .map(|end| self.dated(times, &explored.run_to(self, end)))
                     .unwrap_or_default(),
                 overrun: self.dated(times, &run),
+                spent: self.spent(times, &run, crate::codels::small(at)),
                 course: Course { steps: run },
                 needed: needed.into_iter().map(named).collect(),
             })
@@ -147,13 +152,8 @@ impl System {
         }
         for &(context, node) in &next.lock.queue {
             if state.lock.awaited_by(context).is_none() {
-                let others = next.lock.holders().chain(next.lock.queue.iter().copied());
-                let others = others.take_while(|other| *other != (context, node));
-                let others: Vec<String> = others
-                    .filter(|(_, other)| self.conflicts.between(node, *other))
-                    .map(|(_, other)| self.node_name(other))
-                    .collect();
-                let what = format!("{} waits for {}", self.node_name(node), others.join(", "));
+                let others = self.ahead(next, context).join(", ");
+                let what = format!("{} waits for {others}", self.node_name(node));
                 lines.push(self.line_of(next, context, node, what));
             }
         }
