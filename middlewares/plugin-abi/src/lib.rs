@@ -17,7 +17,7 @@ pub use table::{Address, Answer, Host, Plugin, Port, Service, Type};
 pub const MAJOR: u16 = 1;
 
 /// Grows when something is added at an end.
-pub const MINOR: u16 = 0;
+pub const MINOR: u16 = 1;
 
 /// What the library exports.
 pub const SYMBOL: &str = "genom_middleware_plugin";

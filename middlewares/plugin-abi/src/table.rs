@@ -137,6 +137,7 @@ pub struct Host {
     pub answer: Option<unsafe extern "C" fn(Opaque, *const Answer)>,
     pub endpoint: Option<unsafe extern "C" fn(Opaque, u32, Str, Str)>,
     pub text: Option<unsafe extern "C" fn(Opaque, Str, Str)>,
+    pub refusal: Option<unsafe extern "C" fn(Opaque, Str, u64, Str)>,
 }
 
 /// Opens something at an address; what it makes goes into the argument before the last.
@@ -193,6 +194,8 @@ pub struct Plugin {
     pub masquerade: Option<unsafe extern "C" fn(Opaque, Str, Str, *mut ErrorText) -> Code>,
     pub unmask: Option<unsafe extern "C" fn(Opaque, Str)>,
     pub meeting_point: Option<unsafe extern "C" fn(Opaque, Opaque)>,
+    pub refused: Option<unsafe extern "C" fn(Opaque, Opaque)>,
+    pub trouble: Option<unsafe extern "C" fn(Opaque, Opaque)>,
 }
 
 // SAFETY: the strings of a table are constants of its library, which is never unloaded; the rest

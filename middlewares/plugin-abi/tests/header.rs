@@ -55,16 +55,26 @@ fn every_structure_has_the_layout_of_the_header() {
     layout!(holds, Answer, "genom_mw_answer": size, what, code, run, value, name, data);
     layout!(holds, Host, "genom_mw_host":
         size, major, minor, flags, host, log, release, sample, request, cancel, answer, endpoint,
-        text);
+        text, refusal);
     layout!(holds, Plugin, "genom_mw_plugin":
         size, major, minor, reserved, name, version, capabilities, open, close, publisher, publish,
         close_publisher, subscription, close_subscription, capabilities_of, lost_by_publisher,
         lost_by_subscription, serve, close_served, reply, close_call, client, request, cancel,
         close_run, close_client, discover, ends_at, spelled, strangers, obstacles, masquerade,
-        unmask, meeting_point);
+        unmask, meeting_point, refused, trouble);
     let text: Vec<String> =
         holds.iter().map(|what| format!("_Static_assert({what}, \"{what}\");")).collect();
     compiles("cc", &["-std=c11"], &text.join("\n"));
+}
+
+/// Tables of libraries and hosts that were built then are read by these offsets.
+#[cfg(target_pointer_width = "64")]
+#[test]
+fn the_tables_of_version_1_0_end_where_they_ended_and_what_came_later_follows() {
+    assert_eq!((offset_of!(Plugin, open), offset_of!(Plugin, discover)), (56, 56 + 19 * 8));
+    assert_eq!((offset_of!(Plugin, meeting_point), offset_of!(Plugin, refused)), (264, 272));
+    assert_eq!((offset_of!(Host, log), offset_of!(Host, endpoint)), (24, 72));
+    assert_eq!((offset_of!(Host, text), offset_of!(Host, refusal)), (80, 88));
 }
 
 #[test]

@@ -5,10 +5,11 @@
 
 #![allow(unsafe_code, reason = "a library calls these with pointers that it was given")]
 
+use std::borrow::Cow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-use genom_middleware::{ActivityId, CallError, Endpoint, EndpointKind, Outcome, Replies};
+use genom_middleware::{ActivityId, CallError, Endpoint, EndpointKind, Outcome, Refused, Replies};
 use genom_plugin_abi::answers::Said;
 use genom_plugin_abi::table::{Opaque, endpoint, level};
 use genom_plugin_abi::{Answer, Bytes, Host, MAJOR, MINOR, Str};
@@ -34,6 +35,7 @@ pub(crate) fn table() -> Host {
         answer: Some(answer),
         endpoint: Some(add_endpoint),
         text: Some(add_text),
+        refusal: Some(add_refusal),
     }
 }
 
@@ -175,5 +177,14 @@ unsafe extern "C" fn add_text(list: Opaque, key: Str, value: Str) {
     let (list, key, value) = unsafe { (listing(list), key.read(), value.read()) };
     if let Some(list) = list {
         list.add(|listed| listed.texts.push((key.into_owned(), value.into_owned())));
+    }
+}
+
+unsafe extern "C" fn add_refusal(list: Opaque, why: Str, count: u64, peer: Str) {
+    // SAFETY: list and strings are lent.
+    let (list, why, peer) = unsafe { (listing(list), why.read(), peer.read()) };
+    let why = Cow::Owned(why.into_owned());
+    if let Some(list) = list {
+        list.add(|listed| listed.refused.push(Refused { why, count, peer: peer.parse().ok() }));
     }
 }

@@ -166,6 +166,20 @@ impl Handle {
             unsafe { meeting_point(self.handle, list) };
         }
     }
+
+    pub(crate) fn refused(&self, list: Opaque) {
+        if let Some(refused) = self.library.table.refused {
+            // SAFETY: an open backend, and a list that is lent.
+            unsafe { refused(self.handle, list) };
+        }
+    }
+
+    pub(crate) fn trouble(&self, list: Opaque) {
+        if let Some(trouble) = self.library.table.trouble {
+            // SAFETY: an open backend, and a list that is lent.
+            unsafe { trouble(self.handle, list) };
+        }
+    }
 }
 
 /// The functions of an end.

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use genom_kit::intake::Keeping;
 use genom_kit::mailbox::Mailbox;
-use genom_middleware::{Endpoint, ServiceHandler, ServiceType};
+use genom_middleware::{Endpoint, Refused, ServiceHandler, ServiceType};
 use genom_plugin_abi::Sides;
 use genom_plugin_abi::answers::Waiting;
 use genom_types::DataType;
@@ -87,6 +87,7 @@ pub(crate) struct Listing(Mutex<Listed>);
 pub(crate) struct Listed {
     pub(crate) endpoints: Vec<Endpoint>,
     pub(crate) texts: Vec<(String, String)>,
+    pub(crate) refused: Vec<Refused>,
 }
 
 impl Listing {

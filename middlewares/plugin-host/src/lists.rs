@@ -7,7 +7,7 @@ use std::borrow::Cow;
 use crate::callbacks::lend;
 use crate::describe::address;
 use crate::given::Listing;
-use crate::middleware::Open;
+use crate::middleware::{Open, obstacles};
 
 impl Open {
     fn error(&self, failure: Failure) -> DiscoverError {
@@ -48,7 +48,6 @@ impl Discovery for Open {
     }
 
     fn obstacles(&self, at: &Address) -> Vec<Obstacle> {
-        let listed = self.0.listed(|backend, list| backend.obstacles(address(at), list));
-        listed.texts.into_iter().map(|(what, fix)| Obstacle { what, fix }).collect()
+        obstacles(self.0.listed(|backend, list| backend.obstacles(address(at), list)))
     }
 }

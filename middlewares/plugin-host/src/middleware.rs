@@ -4,7 +4,9 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use genom_kit::sender::{Duty, Sender};
-use genom_middleware::{Capabilities, Discovery, Middleware, NoForeignName, Services};
+use genom_middleware::{
+    Capabilities, Discovery, Middleware, NoForeignName, Obstacle, Refused, Services,
+};
 use genom_plugin_abi::table::can;
 
 use crate::callbacks::lend;
@@ -58,6 +60,11 @@ impl Core {
     }
 }
 
+/// Pairs of a cause and what to do.
+pub(crate) fn obstacles(listed: Listed) -> Vec<Obstacle> {
+    listed.texts.into_iter().map(|(what, fix)| Obstacle { what, fix }).collect()
+}
+
 impl Middleware for Open {
     fn name(&self) -> &'static str {
         self.0.library.name()
@@ -101,5 +108,13 @@ impl Middleware for Open {
 
     fn unmask(&self, ours: &str) {
         self.0.backend.unmask(ours);
+    }
+
+    fn trouble(&self) -> Vec<Obstacle> {
+        obstacles(self.0.listed(|backend, list| backend.trouble(list)))
+    }
+
+    fn refused(&self) -> Vec<Refused> {
+        self.0.listed(|backend, list| backend.refused(list)).refused
     }
 }

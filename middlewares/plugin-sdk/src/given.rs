@@ -114,4 +114,11 @@ impl List {
             unsafe { add(self.list, Str::of(key), Str::of(value)) };
         }
     }
+
+    pub(crate) fn refusal(&self, why: &str, count: u64, peer: &str) {
+        if let Some(add) = self.functions.0.refusal {
+            // SAFETY: as above.
+            unsafe { add(self.list, Str::of(why), count, Str::of(peer)) };
+        }
+    }
 }

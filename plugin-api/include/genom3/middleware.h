@@ -40,7 +40,7 @@ extern "C" {
 #endif
 
 #define GENOM_MW_MAJOR 1
-#define GENOM_MW_MINOR 0
+#define GENOM_MW_MINOR 1
 
 typedef struct genom_mw_str { const char *ptr; size_t len; } genom_mw_str;
 typedef struct genom_mw_bytes { const void *ptr; size_t len; } genom_mw_bytes;
@@ -179,6 +179,12 @@ typedef struct genom_mw_host {
   void (*endpoint)(void *list, uint32_t kind, genom_mw_str address, genom_mw_str type);
   /* Adds a pair to a list; see the functions that take one. */
   void (*text)(void *list, genom_mw_str key, genom_mw_str value);
+
+  /* Since version 1.1. A host that calls `refused` has it. */
+
+  /* Adds a reason to the list of `refused`: how often it was one so far, and the IP address of the
+     peer that gave it last, as text, or an empty string. */
+  void (*refusal)(void *list, genom_mw_str why, uint64_t count, genom_mw_str peer);
 } genom_mw_host;
 
 /* What the plugin gives. */
@@ -264,6 +270,15 @@ typedef struct genom_mw_plugin {
   void (*unmask)(genom_mw_backend *backend, genom_mw_str ours);
   /* What a foreign program needs to find the ports: `text` with names and values. */
   void (*meeting_point)(genom_mw_backend *backend, void *list);
+
+  /* Since version 1.1. Hosts of 1.0 do not call them. */
+
+  /* Calls `refusal` once for each reason for which input of peers was refused since `open`. Does not
+     block. */
+  void (*refused)(genom_mw_backend *backend, void *list);
+  /* What keeps this process from others on this middleware as a whole: `text` with the cause, and
+     what to do. May take some seconds. */
+  void (*trouble)(genom_mw_backend *backend, void *list);
 } genom_mw_plugin;
 
 #if defined(__GNUC__)

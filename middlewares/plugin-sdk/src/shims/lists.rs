@@ -1,6 +1,6 @@
 //! What is visible, and how it is called there.
 
-use genom_middleware::{Endpoint, EndpointKind, Stranger};
+use genom_middleware::{Endpoint, EndpointKind, Obstacle, Refused, Stranger};
 use genom_plugin_abi::table::{Opaque, endpoint};
 use genom_plugin_abi::{Address, Code, ErrorText, Failure, Str};
 
@@ -17,6 +17,10 @@ fn tell(ends: Vec<Endpoint>, list: &List) {
         };
         list.endpoint(kind, &end.address, &end.ty);
     }
+}
+
+fn tell_obstacles(obstacles: &[Obstacle], list: &List) {
+    obstacles.iter().for_each(|obstacle| list.text(&obstacle.what, &obstacle.fix));
 }
 
 pub(super) unsafe extern "C" fn discover(
@@ -80,10 +84,7 @@ pub(super) unsafe extern "C" fn obstacles(backend: Opaque, place: Address, list:
     // SAFETY: an open backend, and an address that is lent.
     let (opened, address) = unsafe { (at::<Opened>(backend), types::address(place)) };
     logged(Some(opened.host), || {
-        let list = opened.host.list(list);
-        for obstacle in opened.middleware.obstacles(&address) {
-            list.text(&obstacle.what, &obstacle.fix);
-        }
+        tell_obstacles(&opened.middleware.obstacles(&address), &opened.host.list(list));
     });
 }
 
@@ -115,5 +116,25 @@ pub(super) unsafe extern "C" fn meeting_point(backend: Opaque, list: Opaque) {
     logged(Some(opened.host), || {
         let list = opened.host.list(list);
         opened.middleware.meeting_point().iter().for_each(|(name, value)| list.text(name, value));
+    });
+}
+
+pub(super) unsafe extern "C" fn refused(backend: Opaque, list: Opaque) {
+    // SAFETY: an open backend.
+    let opened = unsafe { at::<Opened>(backend) };
+    logged(Some(opened.host), || {
+        let list = opened.host.list(list);
+        for Refused { why, count, peer } in opened.middleware.refused() {
+            let peer = peer.map_or_else(String::new, |peer| peer.to_string());
+            list.refusal(&why, count, &peer);
+        }
+    });
+}
+
+pub(super) unsafe extern "C" fn trouble(backend: Opaque, list: Opaque) {
+    // SAFETY: an open backend.
+    let opened = unsafe { at::<Opened>(backend) };
+    logged(Some(opened.host), || {
+        tell_obstacles(&opened.middleware.trouble(), &opened.host.list(list));
     });
 }

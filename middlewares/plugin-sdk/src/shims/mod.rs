@@ -53,6 +53,8 @@ pub const fn table<B: Backend + 'static>(name: &'static str) -> Plugin {
         masquerade: Some(lists::masquerade),
         unmask: Some(lists::unmask),
         meeting_point: Some(lists::meeting_point),
+        refused: Some(lists::refused),
+        trouble: Some(lists::trouble),
     }
 }
 
@@ -107,4 +109,111 @@ unsafe extern "C" fn capabilities_of(backend: Opaque) -> u64 {
         .filter_map(|(has, flag)| has.then_some(flag))
         .fold(0, |all, flag| all | flag)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io;
+    use std::mem::offset_of;
+    use std::ptr;
+    use std::sync::Arc;
+
+    use genom_middleware::{
+        Capabilities, Middleware, Obstacle, OpenError, Policy, PortSpec, Ports, Publisher, Refused,
+        Subscription,
+    };
+
+    use super::*;
+
+    static TABLE: Plugin = table::<Telling>("telling");
+
+    /// A backend that has trouble, and has refused something.
+    struct Telling;
+
+    impl Backend for Telling {
+        const NAME: &'static str = "telling";
+        const VERSION: &'static str = "telling 1";
+        type Options = serde_json::Value;
+        type Error = io::Error;
+
+        fn open(_: serde_json::Value) -> io::Result<Arc<dyn Middleware>> {
+            Ok(Arc::new(Self))
+        }
+    }
+
+    impl Middleware for Telling {
+        fn name(&self) -> &'static str {
+            Self::NAME
+        }
+
+        fn capabilities(&self) -> Capabilities {
+            Capabilities {
+                variable_size: true,
+                zero_copy: false,
+                cross_process: false,
+                cross_host: false,
+                services: false,
+                native_services: false,
+            }
+        }
+
+        fn trouble(&self) -> Vec<Obstacle> {
+            vec![Obstacle { what: "nobody listens".to_owned(), fix: String::new() }]
+        }
+
+        fn refused(&self) -> Vec<Refused> {
+            vec![Refused { why: "noise".into(), count: 7, peer: None }]
+        }
+    }
+
+    impl Ports for Telling {
+        fn publisher(&self, port: &PortSpec<'_>) -> Result<Box<dyn Publisher>, OpenError> {
+            Err(OpenError::Taken { address: port.address.clone() })
+        }
+
+        fn subscription(
+            &self,
+            port: &PortSpec<'_>,
+            _: Policy,
+        ) -> Result<Box<dyn Subscription>, OpenError> {
+            Err(OpenError::Taken { address: port.address.clone() })
+        }
+    }
+
+    /// What is where a host of version 1.0 has nothing.
+    unsafe extern "C" fn behind(_: Opaque, _: Str, _: u64, _: Str) {
+        std::process::abort();
+    }
+
+    #[test]
+    fn in_a_host_of_version_1_0_a_backend_opens_and_what_is_behind_its_table_is_not_called() {
+        let host = Host {
+            size: offset_of!(Host, refusal),
+            major: MAJOR,
+            minor: 0,
+            flags: 0,
+            host: ptr::null_mut(),
+            log: None,
+            release: None,
+            sample: None,
+            request: None,
+            cancel: None,
+            answer: None,
+            endpoint: None,
+            text: None,
+            refusal: Some(behind),
+        };
+        let (mut backend, none) = (ptr::null_mut(), ptr::null_mut());
+        let (open, close) = (TABLE.open.unwrap(), TABLE.close.unwrap());
+        // SAFETY: a table as a host has it, options, and room for a handle.
+        let code =
+            unsafe { open(&raw const host, Str::of("{}"), &raw mut backend, ptr::null_mut()) };
+        assert_eq!(code, Code::OK);
+        // SAFETY: an open backend; the host has no function that would use the list.
+        unsafe { TABLE.refused.unwrap()(backend, none) };
+        // SAFETY: as above.
+        unsafe { TABLE.trouble.unwrap()(backend, none) };
+        // SAFETY: an open backend, which is closed once.
+        unsafe { close(backend) };
+    }
 }
