@@ -9,7 +9,7 @@ import sys
 import time
 from typing import Any, List
 
-from tests.test_codels import IDS, Called, codel, data, pointer
+from tests.scripts import IDS, Called, codel, data, pointer
 
 CALLS, TIMES = 20_000, 7
 

@@ -1,183 +1,13 @@
 """Codels in Python, without a daemon: C functions made of a script, called as genomd calls them."""
 
 import ctypes
-import json
 import threading
 import unittest
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List
 
-from genom.runner._loader import Loader
 from genom.runner._where import where
 
-DOUBLE = {"kind": "double", "name": "double", "size": 8, "align": 8, "fixed": True}
-LONG = {"kind": "long", "name": "long", "size": 4, "align": 4, "fixed": True}
-TEXT = {"kind": "string", "name": "string<8>", "size": 8, "align": 1, "fixed": True, "bound": 8}
-BOOLEAN = {"kind": "boolean", "name": "boolean", "size": 1, "align": 1, "fixed": True}
-SPEED = {
-    "kind": "enum", "name": "::demo::speed", "full_name": "::demo::speed", "size": 4, "align": 4,
-    "fixed": True, "enumerators": ["SLOW", "FAST"],
-}
-STATE = {
-    "kind": "struct", "name": "::demo::state", "full_name": "::demo::state", "size": 16, "align": 8,
-    "fixed": True,
-    "members": [
-        {"name": "position", "offset": 0, "type": 0},
-        {"name": "velocity", "offset": 8, "type": 0},
-    ],
-}
-JOINTS = {
-    "kind": "array", "name": "double[3]", "size": 24, "align": 8, "fixed": True, "length": 3,
-    "element": 0,
-}
-PATH = {
-    "kind": "sequence", "name": "sequence<long>", "size": 24, "align": 8, "fixed": False,
-    "bound": None, "element": 1, "offsets": [0, 4, 8, 16],
-}
-STEPS = {
-    "kind": "sequence", "name": "sequence<::demo::state, 2>", "size": 40, "align": 8, "fixed": True,
-    "bound": 2, "element": 5, "offsets": [0, 4, 8],
-}
-MAYBE = {
-    "kind": "optional", "name": "optional<double>", "size": 16, "align": 8, "fixed": True,
-    "element": 0, "offsets": [8],
-}
-IDS = {
-    "kind": "struct", "name": "::demo::ids", "full_name": "::demo::ids", "size": 168, "align": 8,
-    "fixed": False,
-    "members": [
-        {"name": "velocity", "offset": 0, "type": 0},
-        {"name": "count", "offset": 8, "type": 1},
-        {"name": "speed", "offset": 12, "type": 4},
-        {"name": "current", "offset": 16, "type": 5},
-        {"name": "joints", "offset": 32, "type": 6},
-        {"name": "path", "offset": 56, "type": 7},
-        {"name": "steps", "offset": 80, "type": 8},
-        {"name": "maybe", "offset": 120, "type": 9},
-        {"name": "name", "offset": 136, "type": 2},
-        {"name": "from", "offset": 144, "type": 0},
-        {"name": "halted", "offset": 152, "type": 3},
-        {"name": "last", "offset": 160, "type": 0},
-    ],
-}
-RANGE = {
-    "kind": "exception", "name": "::demo::OUT_OF_RANGE", "full_name": "::demo::OUT_OF_RANGE",
-    "size": 16, "align": 8, "fixed": True,
-    "members": [{"name": "value", "offset": 0, "type": 0}, {"name": "what", "offset": 8, "type": 2}],
-}
-TYPES: List[Dict[str, Any]] = [
-    DOUBLE, LONG, TEXT, BOOLEAN, SPEED, STATE, JOINTS, PATH, STEPS, MAYBE, IDS, RANGE,
-]
-
-
-PORTS = [
-    {"name": "where", "out": True, "multiple": False, "type": 5},
-    {"name": "gain", "out": False, "multiple": False, "type": 0},
-    {"name": "ranges", "out": True, "multiple": True, "type": 0},
-]
-
-
-REMOTE = {
-    "name": "ask",
-    "parameters": [
-        {"name": "goal", "direction": "in", "type": 0},
-        {"name": "speed", "direction": "in", "type": 4},
-        {"name": "from", "direction": "in", "type": 5},
-        {"name": "path", "direction": "inout", "type": 7},
-        {"name": "end", "direction": "out", "type": 5},
-    ],
-}
-
-
-def port(rank: int) -> Dict[str, Any]:
-    one = PORTS[rank]
-    return {
-        "name": one["name"], "place": "demo.gen:7", "from": "port", "rank": rank,
-        "direction": "out" if one["out"] else "in", "type": one["type"],
-    }
-
-
-def data(name: str, direction: str, rank: int) -> Dict[str, Any]:
-    return {
-        "name": name, "place": "demo.gen:7", "from": "data", "rank": None, "direction": direction,
-        "type": rank,
-    }
-
-
-def codel(*parameters: Dict[str, Any], yields: Optional[List[str]] = None) -> Dict[str, Any]:
-    return {
-        "name": "f", "place": "demo.gen:5", "owner": "service go", "yields": yields,
-        "parameters": list(parameters),
-    }
-
-
-def request(text: str, one: Dict[str, Any]) -> bytes:
-    return json.dumps(
-        {
-            "path": "/nowhere/demo.py", "text": text, "component": "demo", "place": "demo.gen:1",
-            "codels": [one], "ports": PORTS, "remotes": [REMOTE],
-            "exceptions": [
-                {"event": "::demo::OUT_OF_RANGE", "name": ["demo", "OUT_OF_RANGE"], "type": 11},
-                {"event": "::demo::MOVING", "name": ["demo", "MOVING"], "type": None},
-            ],
-            "declared": [
-                {"name": ["demo", "speed"], "type": 4}, {"name": ["demo", "state"], "type": 5},
-                {"name": ["demo", "ids"], "type": 10},
-            ],
-            "constants": [{"name": ["demo", "LIMIT"], "value": 5}],
-            "types": TYPES,
-        }
-    ).encode()
-
-
-class Context(ctypes.Structure):
-    """What genomd passes to codels, recording what is raised."""
-
-    _fields_ = [("raise_", ctypes.c_void_p), ("raised", ctypes.c_void_p), ("data", ctypes.c_void_p)]
-
-
-class Called:
-    """A script with one codel, to be called with memory of its own."""
-
-    def __init__(self, text: str, one: Dict[str, Any]) -> None:
-        self.logged: List[str] = []
-        self.loader = Loader(self.logged.append)
-        self.answer = json.loads(self.loader.load(request(text, one)))
-        self.details: List[bytes] = []
-        prototype = ctypes.CFUNCTYPE(
-            ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p
-        )
-
-        def record(event: int, detail: int, size: int, _: int) -> int:
-            self.details.append(ctypes.string_at(detail, size))
-            return event
-
-        def raised(event: int, _: int) -> Any:
-            ctypes.c_void_p.from_address(event).value = self.recorded[0]
-            return self.recorded[1]
-
-        self.recorded: Any = (None, None)
-        self._record = prototype(record)
-        self._raised = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)(raised)
-        places = (ctypes.cast(one, ctypes.c_void_p).value for one in (self._record, self._raised))
-        self.context = Context(*places, None)
-
-    def __call__(self, *arguments: Any) -> Optional[str]:
-        classes = [type(one) for one in arguments]
-        prototype = ctypes.CFUNCTYPE(ctypes.c_void_p, *classes, ctypes.c_void_p)
-        function = prototype(self.answer["functions"]["f"])
-        event = function(*arguments, ctypes.addressof(self.context))
-        if event:
-            within = self.answer["events"]
-            assert within["start"] <= event < within["end"]
-        return ctypes.string_at(event).decode() if event else None
-
-
-def refused(text: str, one: Dict[str, Any]) -> List[str]:
-    return list(Called(text, one).answer["errors"])
-
-
-def pointer(memory: Any) -> ctypes.c_void_p:
-    return ctypes.c_void_p(ctypes.addressof(memory))
+from .scripts import IDS, Called, Handle, codel, data, pointer, port, refused
 
 
 class Values(unittest.TestCase):
@@ -345,7 +175,7 @@ class Events(unittest.TestCase):
         text = "def f():\n    ready.set()\n    end.wait()\n"
         text = "import threading\nready, end = threading.Event(), threading.Event()\n" + text
         called = Called(text, codel())
-        scope = called.loader._kept[1][-1]
+        scope = called.scope
         thread = threading.Thread(target=called)
         thread.start()
         scope["ready"].wait()
@@ -355,17 +185,6 @@ class Events(unittest.TestCase):
         self.assertIn("codel f has not returned, and is here:", str(told))
         self.assertIn('demo.py", line 5, in f\n    end.wait()', str(told))
         self.assertIsNone(where("f"))
-
-
-class Handle:
-    """The handle of a port, whose functions do what a test says."""
-
-    def __init__(self, *functions: Any, named: bool = False) -> None:
-        classes = [ctypes.c_char_p, ctypes.c_void_p] if named else [ctypes.c_void_p]
-        prototype = ctypes.CFUNCTYPE(ctypes.c_void_p, *classes)
-        self._made = [prototype(function) for function in functions]
-        places = (ctypes.cast(one, ctypes.c_void_p).value for one in self._made)
-        self.table = (ctypes.c_void_p * len(functions))(*places)
 
 
 class Ports(unittest.TestCase):
@@ -471,8 +290,8 @@ class Remotes(unittest.TestCase):
 
 
 class Refused(unittest.TestCase):
-    def assert_refused(self, text: str, one: Dict[str, Any], *told: str) -> None:
-        self.assertEqual(refused(text, one), list(told))
+    def assert_refused(self, text: str, one: Dict[str, Any], *told: str, **more: Any) -> None:
+        self.assertEqual(refused(text, one, **more), list(told))
 
     def test_names_and_parameters(self) -> None:
         one = codel(data("goal", "in", 0), yields=["ether"])
@@ -524,6 +343,33 @@ class Refused(unittest.TestCase):
             "def f():\n    return 'ok'\n", codel(),
             f"{head} 2: it returns 'ok'; it may return nothing: what is refused is raised",
         )
+
+    def test_a_literal_of_the_result_names_events_that_it_may_yield(self) -> None:
+        head = "codel `f` (demo.gen:5), line 2: its annotation says that it returns"
+        text = "from typing import Literal\ndef f() -> {}:\n    return g()\n"
+        one = codel(yields=["main", "ether"])
+        for fits in ["Literal['ether']", "\"Literal['main', 'ether']\"", "str"]:
+            self.assertIn("functions", Called(text.format(fits), one).answer, fits)
+        self.assert_refused(
+            text.format("Literal['mian', 'ether', None]"), one,
+            f"{head} 'mian'; it may yield main, ether", f"{head} None; it may yield main, ether",
+        )
+        self.assert_refused(
+            text.format("\"Literal['ether']\""), codel(),
+            f"{head} 'ether'; it may return nothing: what is refused is raised",
+        )
+
+    def test_what_would_return_no_event_at_once(self) -> None:
+        head = "codel `f` (demo.gen:5), line 1: it"
+        waits = f"{head} is `async`: a codel returns its event at once"
+        yields = f"{head} has a `yield`: a codel returns its event, and is called again"
+        one = codel(yields=["ether"])
+        self.assert_refused("async def f():\n    return 'ether'\n", one, waits)
+        self.assert_refused("async def f():\n    yield 1\n    raise E\n", one, waits)
+        self.assert_refused("def f():\n    yield 'main'\n    return 'ether'\n", one, yields)
+        # Of a function inside, it is none of the codel's.
+        inner = "def f():\n    def inner():\n        yield 1\n    return 'ether'\n"
+        self.assertIn("functions", Called(inner, one).answer)
 
     def test_a_script_that_does_not_run(self) -> None:
         self.assert_refused("\ndef f(:\n", codel(), "line 2: invalid syntax")

@@ -5,7 +5,7 @@ import threading
 import unittest
 from typing import List
 
-from .test_codels import IDS, Called, codel, data, pointer, port
+from .scripts import IDS, Called, codel, data, pointer, port
 
 
 class Kept(unittest.TestCase):

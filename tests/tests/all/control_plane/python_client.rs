@@ -133,6 +133,7 @@ fn codels_in_python_need_only_the_standard_library() {
 fn codels_in_python_use_numpy_where_it_is() {
     let python = python::environment(&["numpy==2.4.6"]).unwrap_or_else(|error| panic!("{error}"));
     the_client_passes(&python, &[], "tests.test_codels", "local");
+    the_client_passes(&python, &[], "tests.test_numpy", "local");
 }
 
 #[test]

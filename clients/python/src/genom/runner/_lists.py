@@ -198,7 +198,7 @@ class SequenceKind(Kind):
         count = len(values)
         self._checked(count)
         made = Made(self.inner, count)
-        if isinstance(self.inner, Number) and values:
+        if isinstance(self.inner, Number) and count:
             _numbers.fill(
                 _numbers.array(self.inner.keyword, made.address, (count,), False, None), values
             )
