@@ -1,7 +1,9 @@
-//! The calling end of a service: a connection for each request, on which it is followed.
+//! The calling end of a service: a connection for each request, on which it is followed. A server
+//! that is no genomd gets the request as `yarp rpc` would send it (`stranger`).
 
 use std::net::SocketAddr;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use genom_middleware::describe::types_of_service;
 use genom_middleware::{
@@ -15,16 +17,22 @@ use crate::bottle::{Value, decode, encode};
 use crate::core::Core;
 use crate::error::{BACKEND, NameError};
 use crate::io::{Command, Errand, Lost, Step};
+use crate::mark::Mark;
+use crate::names::Contact;
+use crate::stranger::{Asked, MISFIT, Request};
 use crate::wire::{self, Carrier, Purpose};
 use crate::words;
 
 /// The calling end.
 pub(crate) struct YarpClient {
     pub(crate) at: Address,
-    /// Name of the port that serves it.
+    /// Name of the port that serves it, and of the service there.
     pub(crate) port: String,
+    pub(crate) word: String,
     pub(crate) service: ServiceType,
     pub(crate) core: Arc<Core>,
+    /// Where a genomd served it last.
+    pub(crate) genomd: Option<Contact>,
 }
 
 fn failed(why: impl ToString) -> CallError {
@@ -62,14 +70,21 @@ impl Client for YarpClient {
             return Err(failed("the input has another type"));
         }
         let nobody = || CallError::Nobody { address: self.at.clone() };
-        let contact =
-            self.core.names.query(&self.port).map_err(|error: NameError| failed(error))?;
-        let server = contact.and_then(|contact| contact.address()).ok_or_else(nobody)?;
+        let told = |error: NameError| failed(error);
+        let contact = self.core.names.query(&self.port).map_err(told)?.ok_or_else(nobody)?;
+        let server = contact.address().ok_or_else(nobody)?;
+        if self.genomd.as_ref() != Some(&contact) {
+            match self.core.mark_of(&contact).map_err(told)? {
+                None => return self.ask(server, input, replies),
+                Some(Mark::Rpc(_)) => self.genomd = Some(contact),
+                Some(Mark::In(_) | Mark::Out(_)) => return Err(nobody()),
+            }
+        }
         let digest = self.service.digest();
-        let message = request(&[words::START, &self.at.name, &digest], input)?;
+        let message = request(&[words::START, &self.word, &digest], input)?;
         let shared = Arc::new(Shared {
             server,
-            service: self.at.name.clone(),
+            service: self.word.clone(),
             state: Mutex::default(),
             core: Arc::clone(&self.core),
         });
@@ -83,6 +98,31 @@ impl Client for YarpClient {
         };
         self.core.io.submit(Command::Errand { at: server, errand: Box::new(call) });
         Ok(Box::new(Run(shared)))
+    }
+}
+
+impl YarpClient {
+    /// Asks a server that is no genomd.
+    fn ask(
+        &self,
+        server: SocketAddr,
+        input: &Record,
+        replies: Box<dyn Replies>,
+    ) -> Result<Box<dyn Running>, CallError> {
+        let asking = Request {
+            at: self.at.clone(),
+            port: self.port.clone(),
+            server,
+            message: request(&[&self.word], input)?,
+            service: self.service.clone(),
+            patience: self.core.settings.answer_within,
+            largest: self.core.settings.largest_message,
+            replies: Some(replies),
+            skim: Skim::default(),
+            refusals: Arc::clone(&self.core.refusals),
+        };
+        self.core.io.submit(Command::Errand { at: server, errand: Box::new(asking) });
+        Ok(Box::new(Asked))
     }
 }
 
@@ -143,15 +183,20 @@ impl Call {
         self.finish(Outcome::Lost(why))
     }
 
+    fn misfit(&mut self, why: String) -> Step {
+        let Shared { server, core, .. } = &*self.shared;
+        core.refusals.add(MISFIT, Some(server.ip()), &format!("{}: {why}", self.at));
+        self.fail(CallError::Serialization(why))
+    }
+
     /// Takes an answer; `used` are its bytes.
     fn answer(&mut self, bottle: &[u8], used: usize) -> Step {
-        let unusable = |why: String| CallError::Serialization(why);
         let Ok((mut reader, mut list)) = Reader::open(bottle) else {
-            return self.fail(unusable("it is no bottle".to_owned()));
+            return self.misfit("it is no bottle".to_owned());
         };
         let word = match reader.next(&mut list) {
             Ok(Some(Item::Text(word))) => String::from_utf8_lossy(word).into_owned(),
-            _ => return self.fail(unusable("it begins with no word".to_owned())),
+            _ => return self.misfit("it begins with no word".to_owned()),
         };
         if word == words::OK {
             let output = &self.service.output;
@@ -162,7 +207,7 @@ impl Call {
                 .and_then(|()| record.decode_message(&message).map_err(|error| error.to_string()));
             return match read {
                 Ok(()) => self.finish(Outcome::Success(record)),
-                Err(why) => self.fail(unusable(why)),
+                Err(why) => self.misfit(why),
             };
         }
         let item = reader.next(&mut list).ok().flatten();
@@ -181,7 +226,7 @@ impl Call {
                 if state.cancelled {
                     self.shared.cancel(id);
                 }
-                Step::Send(used, about(words::WAIT, &self.at.name, id))
+                Step::Send(used, about(words::WAIT, &self.shared.service, id))
             }
             (words::STATE, _) => {
                 if let Some(replies) = &mut self.replies {
@@ -189,7 +234,7 @@ impl Call {
                 }
                 let state = self.shared.state.lock().unwrap_or_else(PoisonError::into_inner);
                 match state.id {
-                    Some(id) => Step::Send(used, about(words::WAIT, &self.at.name, id)),
+                    Some(id) => Step::Send(used, about(words::WAIT, &self.shared.service, id)),
                     None => Step::Wait,
                 }
             }
@@ -210,7 +255,7 @@ impl Call {
             }
             (words::GONE, _) => self.fail(CallError::Gone),
             (words::ERROR, _) => self.fail(failed(text)),
-            (other, _) => self.fail(unusable(format!("it begins with {other:?}"))),
+            (other, _) => self.misfit(format!("it begins with {other:?}")),
         }
     }
 }
@@ -231,7 +276,7 @@ impl Errand for Call {
                 self.skim = Skim::default();
                 self.answer(bytes.get(..end).unwrap_or_default(), end)
             }
-            Err(why) => self.fail(CallError::Serialization(why.to_string())),
+            Err(why) => self.misfit(why.to_string()),
         }
     }
 
@@ -239,13 +284,15 @@ impl Errand for Call {
         let why = match how {
             Lost::Nobody => CallError::Nobody { address: self.at.clone() },
             Lost::Gone => CallError::Gone,
+            Lost::Late(after) => CallError::Timeout(after),
             Lost::Unreachable(why) => failed(why),
         };
         self.fail(why);
     }
 
-    fn is_patient(&self) -> bool {
-        true
+    fn patience(&self) -> Option<Duration> {
+        // A service may run for any time.
+        None
     }
 }
 

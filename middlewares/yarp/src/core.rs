@@ -119,8 +119,11 @@ impl Core {
         self.lock().get(name).and_then(|(_, property)| Mark::parse(property))
     }
 
-    /// Name on YARP of an address.
+    /// Name on YARP of an address. An absolute one is as it is.
     pub(crate) fn name_of(&self, at: &Address) -> String {
+        if at.instance.is_empty() {
+            return format!("/{}", at.name);
+        }
         format!("{}/{}/{}", self.settings.prefix, at.instance, at.name)
     }
 

@@ -50,6 +50,21 @@ impl Core {
         Ok(ends)
     }
 
+    /// Whether a port is there that serves an address, as far as is known: a server that is no
+    /// genomd's does not say what it serves.
+    fn may_serve(&self, at: &Address) -> Result<bool, NameError> {
+        let (port, word) = self.server_of(at);
+        if word.is_empty() || !is_name(&port) || port == self.settings.namespace {
+            return Ok(false);
+        }
+        let Some(contact) = self.names.query(&port)? else { return Ok(false) };
+        Ok(match self.said_of(&contact)? {
+            None => true,
+            Some(Mark::Rpc(names)) => names.contains(&word),
+            Some(Mark::In(_) | Mark::Out(_)) => false,
+        })
+    }
+
     /// The ends that a port stands for. One that is no genomd's may be read, as far as is known.
     fn append(&self, contact: &Contact, mark: Option<Mark>, ends: &mut Vec<Endpoint>) {
         let address = contact.name.trim_start_matches('/').to_owned();
@@ -71,13 +86,24 @@ impl Core {
     }
 }
 
+fn failed(error: NameError) -> DiscoverError {
+    DiscoverError { backend: BACKEND.to_owned(), why: error.to_string() }
+}
+
 impl Discovery for Yarp {
     fn discover(&self) -> Result<Vec<Endpoint>, DiscoverError> {
-        let failed = |error: NameError| DiscoverError {
-            backend: BACKEND.to_owned(),
-            why: error.to_string(),
-        };
         self.core.list().map_err(failed)
+    }
+
+    fn ends_at(&self, at: &Address) -> Result<Vec<Endpoint>, DiscoverError> {
+        let address = self.spelled(at);
+        let mut ends = self.discover()?;
+        ends.retain(|end| end.address == address);
+        let listed = ends.iter().any(|end| end.kind == EndpointKind::Service);
+        if !listed && self.core.may_serve(at).map_err(failed)? {
+            ends.push(Endpoint { kind: EndpointKind::Service, address, ty: String::new() });
+        }
+        Ok(ends)
     }
 
     fn spelled(&self, at: &Address) -> String {

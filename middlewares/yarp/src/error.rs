@@ -35,6 +35,9 @@ pub enum YarpError {
     /// There is no such carrier.
     #[error("`carrier = {0:?}`: this side connects with \"tcp\" or \"fast_tcp\"")]
     Carrier(String),
+    /// The time that servers may take to answer is none.
+    #[error("`answer_within = {0}` is no time: write seconds, up to a year, or 0 for any time")]
+    AnswerWithin(f64),
     /// A file of YARP that says where the name server is cannot be read.
     #[error("{path} says where the YARP name server is, and cannot be read: {source}")]
     Unreadable {

@@ -34,9 +34,11 @@ mod ports;
 mod readers;
 mod refusals;
 mod replies;
+mod reply;
 mod runs;
 mod services;
 mod steward;
+mod stranger;
 mod wire;
 mod words;
 

@@ -3,6 +3,7 @@
 
 use std::net::IpAddr;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use serde::Deserialize;
 
@@ -19,8 +20,11 @@ const DEFAULT_NAMESPACE: &str = "/root";
 /// Greatest `largest_message`.
 const MOST_MESSAGE: usize = 1 << 30;
 
+/// Greatest `answer_within`: a year.
+const MOST_PATIENCE: Duration = Duration::from_secs(365 * 24 * 3600);
+
 /// Section `[backends.yarp]` of the configuration.
-#[derive(Clone, Debug, Deserialize, PartialEq, Eq)]
+#[derive(Clone, Debug, Deserialize, PartialEq)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
     /// Address of the name server, `HOST:PORT`. Empty: as YARP's own programs find it.
@@ -37,6 +41,8 @@ pub struct Options {
     pub carrier: String,
     /// Greatest size in bytes of a message that is accepted, for types without a greatest size.
     pub largest_message: usize,
+    /// Seconds that a server that is no genomd may take to answer a request; 0 for any time.
+    pub answer_within: f64,
 }
 
 impl Default for Options {
@@ -49,6 +55,7 @@ impl Default for Options {
             insecure: false,
             carrier: "fast_tcp".to_owned(),
             largest_message: 64 << 20,
+            answer_within: 0.0,
         }
     }
 }
@@ -64,6 +71,8 @@ pub(crate) struct Settings {
     pub(crate) listen: IpAddr,
     pub(crate) carrier: Carrier,
     pub(crate) largest_message: usize,
+    /// How long a server that is no genomd may take to answer; `None` for any time.
+    pub(crate) answer_within: Option<Duration>,
 }
 
 impl Options {
@@ -112,7 +121,11 @@ impl Options {
             address => address_of(address)?,
         };
         let largest_message = self.largest_message.clamp(1 << 12, MOST_MESSAGE);
-        Ok(Settings { server, namespace, prefix, listen, carrier, largest_message })
+        let within = Duration::try_from_secs_f64(self.answer_within).ok();
+        let within = within.filter(|within| *within <= MOST_PATIENCE);
+        let within = within.ok_or(YarpError::AnswerWithin(self.answer_within))?;
+        let answer_within = (!within.is_zero()).then_some(within);
+        Ok(Settings { server, namespace, prefix, listen, carrier, largest_message, answer_within })
     }
 }
 
@@ -233,6 +246,8 @@ mod tests {
             ("prefix = 'a b'", "prefix = \"a b\""),
             ("namespace = 'root'", "namespace = \"root\""),
             ("carrier = 'udp'", "fast_tcp"),
+            ("answer_within = -1.0", "answer_within = -1"),
+            ("answer_within = nan", "answer_within = NaN"),
         ] {
             let options: Options = toml::from_str(text).unwrap();
             let error = options.check().unwrap_err().to_string();

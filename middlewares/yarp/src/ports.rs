@@ -47,7 +47,7 @@ impl Core {
     }
 
     /// What a port says of itself; `None` for one that is no genomd's.
-    fn mark_of(&self, contact: &Contact) -> Result<Option<Mark>, NameError> {
+    pub(crate) fn mark_of(&self, contact: &Contact) -> Result<Option<Mark>, NameError> {
         match self.own(&contact.name) {
             Some(own) => Ok(Some(own)),
             None => Ok(Mark::parse(&self.names.get(&contact.name, mark::PROPERTY)?)),

@@ -9,8 +9,23 @@ use crate::client::YarpClient;
 use crate::core::Core;
 use crate::desk::Desk;
 use crate::desks::{Desks, RPC};
+use crate::error::NameError;
 use crate::mark;
+use crate::names::is_name;
 use crate::port::Role;
+
+impl Core {
+    /// The port that serves an address, and the name of the service there: `demo/goto` is `goto` of
+    /// `/demo/rpc`, `hand/left/close` is `close` of `/hand/left`.
+    pub(crate) fn server_of(&self, at: &Address) -> (String, String) {
+        match at.name.rsplit_once('/') {
+            Some((port, word)) => {
+                (self.name_of(&Address::new(&at.instance, port)), word.to_owned())
+            }
+            None => (self.name_of(&Address::new(&at.instance, RPC)), at.name.clone()),
+        }
+    }
+}
 
 impl Services for Yarp {
     fn serve(
@@ -50,9 +65,13 @@ impl Services for Yarp {
 
     fn client(&self, at: &Address, service: &ServiceType) -> Result<Box<dyn Client>, OpenError> {
         let core = &self.core;
-        let port = core.checked_name(&Address::new(&at.instance, RPC))?;
+        let (port, word) = core.server_of(at);
+        if word.is_empty() || !is_name(&port) {
+            return Err(core.failed(at, NameError::Name(format!("{port}/{word}"))));
+        }
         let (at, service) = (at.clone(), service.clone());
-        Ok(Box::new(YarpClient { at, port, service, core: Arc::clone(core) }))
+        let core = Arc::clone(core);
+        Ok(Box::new(YarpClient { at, port, word, service, core, genomd: None }))
     }
 }
 

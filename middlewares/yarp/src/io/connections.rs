@@ -74,6 +74,8 @@ pub(super) struct Dialed {
     /// What was not sent yet.
     pub(super) out: Vec<u8>,
     pub(super) heard: Vec<u8>,
+    /// When the answer began whose end is missing.
+    pub(super) amid: Option<Instant>,
     pub(super) deadline: Option<Instant>,
     pub(super) purpose: Purpose,
     pub(super) peer: SocketAddr,

@@ -14,14 +14,19 @@ use crate::out_port::{Link, MOST_LINKS};
 use crate::port::Role;
 use crate::wire::{self, Carrier};
 
-/// How long a peer may take to accept and to greet, and to answer an errand that does not wait.
+/// How long a peer may take to accept and to greet.
 const TO_GREET: Duration = Duration::from_secs(3);
+
+/// How long an answer may take from its first byte to its last one, and how much of it has to come
+/// in each further millisecond.
+const TO_END: Duration = Duration::from_secs(20);
+const BYTES_IN_A_MILLISECOND: u64 = 100;
 
 /// How long a closed port may take to send what is left.
 const TO_FINISH: Duration = Duration::from_secs(1);
 
-/// Greatest number of bytes that a peer may send on an errand.
-const MOST_HEARD: usize = 64 << 20;
+/// Greatest number of bytes of acknowledgements that were not understood yet.
+const MOST_ACKNOWLEDGED: usize = 1 << 20;
 
 impl Purpose {
     fn carrier(&self) -> Carrier {
@@ -30,6 +35,21 @@ impl Purpose {
             Self::Errand(errand) => {
                 errand.as_ref().map_or(Carrier::FastTcp, |errand| errand.carrier())
             }
+        }
+    }
+
+    /// Greatest number of bytes that are kept of what the peer says.
+    fn most(&self) -> usize {
+        match self {
+            Self::Errand(Some(errand)) => errand.most(),
+            Self::Link { .. } | Self::Errand(None) => MOST_ACKNOWLEDGED,
+        }
+    }
+
+    fn patience(&self) -> Option<Duration> {
+        match self {
+            Self::Errand(Some(errand)) => errand.patience(),
+            Self::Link { .. } | Self::Errand(None) => None,
         }
     }
 
@@ -42,6 +62,7 @@ impl Purpose {
                         Lost::Nobody => "nobody listens there".to_owned(),
                         Lost::Unreachable(why) => why,
                         Lost::Gone => "it ended the connection".to_owned(),
+                        Lost::Late(_) => "it does not answer".to_owned(),
                     }));
                 }
             }
@@ -101,6 +122,7 @@ impl Reactor {
             stage: Stage::Dialing,
             out: Vec::new(),
             heard: Vec::new(),
+            amid: None,
             deadline: Some(Instant::now() + TO_GREET),
             purpose,
             peer: at,
@@ -205,8 +227,11 @@ impl Reactor {
             }
             Err(error) => return Err(Some(how(&error))),
         }
-        if dialed.heard.len() > MOST_HEARD {
-            let why = format!("it answers with more than {MOST_HEARD} bytes");
+        let most = dialed.purpose.most();
+        if dialed.heard.len() > most {
+            let why = format!("it answers with more than {most} bytes");
+            let detail = format!("{}: {why}", dialed.peer);
+            self.around.refusals.add("an answer that is too long", Some(dialed.peer.ip()), &detail);
             return Err(Some(Lost::Unreachable(why)));
         }
         if dialed.stage == Stage::Greeting && !self.greeted(token, dialed)? {
@@ -226,11 +251,20 @@ impl Reactor {
                 let Some(one) = errand else { return Err(None) };
                 match one.hear(&dialed.heard) {
                     Step::Wait => {
-                        dialed.deadline = (!one.is_patient()).then(|| Instant::now() + TO_GREET);
+                        let now = Instant::now();
+                        if dialed.heard.is_empty() {
+                            dialed.deadline = one.patience().map(|patience| now + patience);
+                        } else {
+                            // From its first byte on, however small the pieces are.
+                            let begun = *dialed.amid.get_or_insert(now);
+                            let more = dialed.heard.len() as u64 / BYTES_IN_A_MILLISECOND;
+                            dialed.deadline = Some(begun + TO_END + Duration::from_millis(more));
+                        }
                         self.timed |= dialed.deadline.is_some();
                         return Ok(());
                     }
                     Step::Send(used, bytes) => {
+                        dialed.amid = None;
                         dialed.heard.drain(..used.min(dialed.heard.len()));
                         dialed.out.extend_from_slice(&bytes);
                     }
@@ -308,8 +342,20 @@ impl Reactor {
         {
             out.leave(token);
         }
-        let why = format!("{} does not answer within {TO_GREET:?}", dialed.peer);
-        dialed.purpose.lost(Lost::Unreachable(why));
+        let how = match dialed.purpose.patience() {
+            _ if dialed.stage != Stage::Open => {
+                let why = format!("{} does not answer within {TO_GREET:?}", dialed.peer);
+                Lost::Unreachable(why)
+            }
+            _ if dialed.amid.is_some() => {
+                let why = format!("{} stopped amid its answer", dialed.peer);
+                let peer = Some(dialed.peer.ip());
+                self.around.refusals.add("an answer without an end", peer, &why);
+                Lost::Unreachable(why)
+            }
+            patience => Lost::Late(patience.unwrap_or_default()),
+        };
+        dialed.purpose.lost(how);
     }
 }
 

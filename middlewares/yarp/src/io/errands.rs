@@ -1,6 +1,14 @@
 //! Short conversations with ports of others: a request, and what comes back.
 
+use std::time::Duration;
+
 use crate::wire::Carrier;
+
+/// How long a peer may take until it answers an errand that does not wait.
+const TO_ANSWER: Duration = Duration::from_secs(3);
+
+/// Greatest number of bytes of an answer to an errand that does not expect less.
+const MOST_HEARD: usize = 64 << 20;
 
 /// A conversation. Its methods are called on the thread of connections, and do not block.
 pub(crate) trait Errand: Send {
@@ -16,9 +24,14 @@ pub(crate) trait Errand: Send {
     /// The connection broke, or never stood.
     fn lost(self: Box<Self>, how: Lost);
 
-    /// Whether the peer may take any time for the next answer.
-    fn is_patient(&self) -> bool {
-        false
+    /// How long the peer may take until its next answer begins; `None` for any time.
+    fn patience(&self) -> Option<Duration> {
+        Some(TO_ANSWER)
+    }
+
+    /// Greatest number of bytes of an answer.
+    fn most(&self) -> usize {
+        MOST_HEARD
     }
 }
 
@@ -41,4 +54,6 @@ pub(crate) enum Lost {
     Unreachable(String),
     /// The peer ended the connection.
     Gone,
+    /// No answer began within this time.
+    Late(Duration),
 }
