@@ -20,6 +20,7 @@ use crate::jobs::Job;
 use crate::line::Line;
 use crate::mark::{self, Mark};
 use crate::names::{Contact, Names};
+use crate::news::News;
 use crate::options::Settings;
 use crate::port::{Port, Role};
 use crate::refusals::Refusals;
@@ -80,6 +81,7 @@ impl Core {
             steward: steward.clone(),
             calls: Arc::clone(&calls),
             refusals: Arc::clone(&refusals),
+            news: News::default(),
             largest: settings.largest_message,
         };
         let connecting = io::start(&io, around)?;

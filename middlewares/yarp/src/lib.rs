@@ -27,6 +27,7 @@ mod jobs;
 mod line;
 mod mark;
 mod names;
+mod news;
 mod options;
 mod out_port;
 mod port;

@@ -9,8 +9,14 @@ use genom_middleware::Refused;
 
 /// Counts refusals.
 #[derive(Default)]
-pub(crate) struct Refusals {
-    counts: Mutex<BTreeMap<&'static str, (u64, Option<IpAddr>)>>,
+pub(crate) struct Refusals(Mutex<BTreeMap<&'static str, Reason>>);
+
+#[derive(Default)]
+struct Reason {
+    count: u64,
+    /// The last one for it.
+    peer: Option<IpAddr>,
+    /// Each reason has lines of its own, so that a flood for one hides no other.
     complaints: Complaints,
 }
 
@@ -22,23 +28,24 @@ impl Refusals {
         peer: Option<IpAddr>,
         detail: &dyn std::fmt::Display,
     ) {
-        let mut counts = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
-        let entry = counts.entry(why).or_default();
-        (entry.0, entry.1) = (entry.0 + 1, peer.or(entry.1));
-        drop(counts);
-        if let Some(so_far) = self.complaints.add() {
+        let mut reasons = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let reason = reasons.entry(why).or_default();
+        (reason.count, reason.peer) = (reason.count + 1, peer.or(reason.peer));
+        let due = reason.complaints.add();
+        drop(reasons);
+        if let Some(so_far) = due {
             let peer = peer.map(|peer| peer.to_string()).unwrap_or_default();
             tracing::warn!(%peer, so_far, "YARP: {why}: {detail}");
         }
     }
 
     pub(crate) fn listed(&self) -> Vec<Refused> {
-        let counts = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
-        let refused = |(why, (count, peer)): (&&'static str, &(u64, Option<IpAddr>))| Refused {
+        let reasons = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let refused = |(why, reason): (&&'static str, &Reason)| Refused {
             why: (*why).into(),
-            count: *count,
-            peer: *peer,
+            count: reason.count,
+            peer: reason.peer,
         };
-        counts.iter().map(refused).collect()
+        reasons.iter().map(refused).collect()
     }
 }

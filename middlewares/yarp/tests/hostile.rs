@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "test code outside of test functions")]
 
+mod attack;
 mod world;
 
 use std::io::{Read as _, Write as _};
@@ -10,183 +11,39 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
+use attack::{Pair, position};
 use genom_conformance::samples::{number, numbered, state};
-use genom_conformance::{World as _, eventually};
+use genom_conformance::{World, eventually};
 use genom_middleware::{
-    Address, Middleware, Outcome, Policy, PortSpec, Ports, Publisher, Reading, Replies,
-    ServiceHandler, ServiceKind, ServiceType, Services, Subscription,
+    Address, Outcome, PortSpec, Ports, Replies, ServiceHandler, ServiceKind, ServiceType, Services,
 };
 use genom_types::Record;
 use genom_yarp::{Options, Yarp};
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use world::{Place, has, until};
 
-fn position() -> Address {
-    Address::new("demo", "position")
-}
-
-/// Both ends of a port, in two processes as far as YARP is concerned, and where they listen.
-struct Pair {
-    place: Place,
-    reads: Arc<Yarp>,
-    writer: Box<dyn Publisher>,
-    reader: Box<dyn Subscription>,
-    _writes: Arc<Yarp>,
-    n: u64,
-}
-
-impl Pair {
-    fn new() -> Self {
-        let place = Place::new();
-        let (writes, reads) = (place.open(), place.open());
-        let ty = state();
-        let writer = writes.publisher(&PortSpec::new(&position(), &ty)).unwrap();
-        let reader = reads.subscription(&PortSpec::new(&position(), &ty), Policy::Latest).unwrap();
-        let mut pair = Self { place, reads, writer, reader, _writes: writes, n: 0 };
-        pair.works();
-        pair
-    }
-
-    /// Where the in port listens.
-    fn at(&self) -> (String, u16) {
-        let names = self.place.leftovers();
-        let name = names.iter().find(|name| name.contains(":i/")).unwrap();
-        self.place.address_of(name)
-    }
-
-    fn dial(&self) -> TcpStream {
-        let stream = TcpStream::connect(self.at()).unwrap();
-        stream.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
-        stream
-    }
-
-    /// A sample goes from the one to the other.
-    fn works(&mut self) {
-        self.n += 1;
-        self.writer.publish(&numbered(self.n)).unwrap();
-        let mut got = Record::new(&state());
-        eventually("the sample arrives", || {
-            self.reader.read(&mut got).unwrap() == Reading::New && number(&got) == self.n
-        });
-    }
-
-    fn refused(&self, why: &str) -> u64 {
-        let all = self.reads.refused();
-        all.iter().find(|one| one.why == why).map_or(0, |one| one.count)
-    }
-}
-
-const NO_YARP: &str = "what does not speak YARP";
-
-/// As one who dials with fast_tcp begins.
-fn hello() -> Vec<u8> {
-    [&b"YA\x64\x1e\0\0RP"[..], &4u32.to_le_bytes(), b"/me\0"].concat()
-}
-
-/// The header of a message with blocks of these sizes.
-fn index(sizes: &[u32]) -> Vec<u8> {
-    let mut bytes = b"YA\x0a\0\0\0RP".to_vec();
-    bytes.extend_from_slice(&[sizes.len() as u8, 0]);
-    bytes.extend_from_slice(&[0xff; 8]);
-    bytes.extend(sizes.iter().flat_map(|size| size.to_le_bytes()));
-    bytes
-}
-
-/// A message with a bottle.
-fn message(bottle: &[u8]) -> Vec<u8> {
-    let size = bottle.len() as u32;
-    [&index(&[8, size])[..], b"\0\0\0\0~D\0\x01", bottle].concat()
-}
-
-/// Whether the peer has ended the connection.
-fn ends(stream: &mut TcpStream) -> bool {
-    let mut rest = Vec::new();
-    // A reset is an end, too.
-    stream.read_to_end(&mut rest).map_or(true, |_| true)
+fn pair() -> Pair {
+    Pair::new(World::join)
 }
 
 #[test]
 fn what_is_no_yarp_is_refused_and_those_who_speak_it_go_on() {
-    let mut pair = Pair::new();
-    let after = |bytes: &[u8]| [&hello()[..], bytes].concat();
-    let attacks = [
-        b"GET / HTTP/1.1\r\nHost: robot\r\n\r\n".to_vec(),
-        b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03".to_vec(),
-        // Names of 2^31 - 1, of a negative number and of no bytes, and one that is no text.
-        [&b"YA\x64\x1e\0\0RP"[..], &i32::MAX.to_le_bytes()].concat(),
-        [&b"YA\x64\x1e\0\0RP"[..], &(-1i32).to_le_bytes()].concat(),
-        [&b"YA\x64\x1e\0\0RP"[..], &0i32.to_le_bytes()].concat(),
-        [&b"YA\x64\x1e\0\0RP"[..], &2u32.to_le_bytes(), b"\xff\0"].concat(),
-        // udp, for which nothing is opened here.
-        b"YA\x61\x1e\0\0RP\x04\0\0\0/me\0".to_vec(),
-        after(b"12345678"),
-        after(&index(&[1 << 31])),
-        after(&index(&[u32::MAX; 255])),
-        after(&index(&[])),
-        after(&[&index(&[4])[..], b"body"].concat()),
-        after(&[&index(&[9])[..], b"\xff\xff\xff\x7f~\0\0\x01D"].concat()),
-        [&b"CONNECT me\n"[..], &vec![b'x'; 1 << 20]].concat(),
-    ];
-    for (count, attack) in (1..).zip(&attacks) {
-        let mut stream = pair.dial();
-        // It may be closed before all is written.
-        let _ = stream.write_all(attack);
-        assert!(ends(&mut stream), "{}", attack.escape_ascii().take(40).collect::<Vec<_>>().len());
-        eventually("it is counted", || pair.refused(NO_YARP) == count);
-        pair.works();
-    }
+    attack::without_yarp(&mut pair());
 }
 
 #[test]
 fn bottles_that_lie_about_their_size_are_counted_and_take_no_memory() {
-    let mut pair = Pair::new();
-    let word = |word: u32| word.to_le_bytes().to_vec();
-    let list = |code: u32, count: u32| [word(code), word(count)].concat();
-    let deep: Vec<u8> = (0..500).flat_map(|_| list(256, 1)).collect();
-    let bottles = [
-        Vec::new(),
-        word(256),
-        list(256, u32::MAX),
-        list(256, i32::MAX as u32),
-        list(256 + 10, i32::MAX as u32),
-        list(256 + 4, 2),
-        [list(256, 2), word(0x11), vec![0; 8], list(256 + 10, 1 << 30)].concat(),
-        [list(256, 2), word(12), word(i32::MAX as u32)].concat(),
-        [list(256, 1), word(3)].concat(),
-        list(7, 1),
-        deep,
-    ];
-    let mut stream = pair.dial();
-    stream.write_all(&hello()).unwrap();
-    for (count, bottle) in (1..).zip(&bottles) {
-        stream.write_all(&message(bottle)).unwrap();
-        eventually("it is counted", || pair.reader.dropped() == count);
-    }
-    pair.works();
-    let why = "a bottle that is no sample of its port's type";
-    assert_eq!(pair.refused(why), bottles.len() as u64);
+    attack::with_false_sizes(&mut pair());
 }
 
 #[test]
 fn half_a_message_and_silence_is_ended_and_counted() {
-    let mut pair = Pair::new();
-    let mut silent: Vec<TcpStream> = Vec::new();
-    for beginning in [&b""[..], b"YA", &hello()[..10], b"CONNECT x"] {
-        let mut stream = pair.dial();
-        stream.write_all(beginning).unwrap();
-        silent.push(stream);
-    }
-    for stream in &mut silent {
-        assert!(ends(stream));
-    }
-    let why = "a connection without an end";
-    eventually("they are counted", || pair.refused(why) == silent.len() as u64);
-    pair.works();
+    attack::by_silence(&mut pair());
 }
 
 #[test]
 fn thousands_of_connections_take_nothing_from_the_one_that_sends() {
-    let mut pair = Pair::new();
+    let mut pair = pair();
     // Both ends of each connection are in this process.
     let most = getrlimit(Resource::Nofile).maximum;
     setrlimit(Resource::Nofile, Rlimit { current: most, maximum: most }).unwrap();

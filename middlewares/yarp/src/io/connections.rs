@@ -14,6 +14,7 @@ use super::errands::Errand;
 use crate::calls::Calls;
 use crate::inbound::Inbound;
 use crate::jobs::Job;
+use crate::news::News;
 use crate::port::Port;
 use crate::refusals::Refusals;
 use crate::wire::Carrier;
@@ -23,6 +24,7 @@ pub(crate) struct Around {
     pub(crate) steward: Sender<Job>,
     pub(crate) calls: Arc<Calls>,
     pub(crate) refusals: Arc<Refusals>,
+    pub(crate) news: News,
     /// Greatest size of a message.
     pub(crate) largest: usize,
 }

@@ -152,7 +152,9 @@ impl Reactor {
                     && let Role::Out(out) = &port.role
                     && out.leave(token).is_some()
                 {
-                    tracing::info!(from = port.name, to, "a YARP connection ended");
+                    self.around.news.tell(|| {
+                        tracing::info!(from = port.name, to, "a YARP connection ended");
+                    });
                 }
                 if let Some(how) = how {
                     dialed.purpose.lost(how);
@@ -311,7 +313,8 @@ impl Reactor {
                 {
                     self.close(former, Lost::Gone);
                 }
-                tracing::info!(from = port.name, to, carrier = carrier.name(), "YARP connection");
+                let (from, by) = (&port.name, carrier.name());
+                self.around.news.tell(|| tracing::info!(from, to, carrier = by, "YARP connection"));
                 if let Some(answer) = answer.take() {
                     answer(Ok(()));
                 }

@@ -140,7 +140,9 @@ impl Reactor {
         if let Role::In(port) = &incoming.port.role
             && let Some(name) = port.gone(token)
         {
-            tracing::info!(from = name, to = incoming.port.name, "a YARP connection ended");
+            self.around.news.tell(|| {
+                tracing::info!(from = name, to = incoming.port.name, "a YARP connection ended");
+            });
             // Another writer may be there already.
             let _ = self.around.steward.send(Job::Look);
         }
