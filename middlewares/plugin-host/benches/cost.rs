@@ -208,6 +208,7 @@ fn out(at: &Address, ty: &DataType, size: u32, message: &[u8]) {
         answer: None,
         endpoint: None,
         text: None,
+        refusal: None,
     };
     let (open, publisher) = (table.open.expect("it"), table.publisher.expect("it"));
     // SAFETY: the table is that of the SDK; what is lent lives until the calls return.
