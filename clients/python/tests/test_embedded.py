@@ -13,6 +13,7 @@ import sys
 import tempfile
 import textwrap
 import threading
+import time
 import unittest
 
 import genom
@@ -57,7 +58,6 @@ def run_of(gain_later, cell=None):
             gain.write(1.0 if seen[-1][0] < 0.5 else gain_later)
         assert moves.wait(WATCHDOG) == {}
         assert seen[-1][:2] == (1.0, 0.0)
-        assert d.real_time_factor > 0.0
         return seen
 
 
@@ -98,6 +98,23 @@ class Steps(Case):
         finally:
             sys.stdout, sys.stderr = streams
         self.assertEqual(seen, [0.1])
+
+    def test_the_real_time_factor_is_what_was_stepped_by_the_time_that_passed(self):
+        with genom.Daemon() as d:
+            d.load(DEMO)
+            self.assertEqual(d.real_time_factor, 0.0)
+            before = time.perf_counter()
+            d.step(0.005)
+            begun = time.perf_counter()
+            for _ in range(100):
+                d.step(0.005)
+            asked = time.perf_counter()
+            factor = d.real_time_factor
+            told = time.perf_counter()
+        # It counts from some time within the first step to some time within the question.
+        stepped = 101 * 0.005
+        self.assertLessEqual(stepped / (told - before), factor * (1 + 1e-9))
+        self.assertLessEqual(factor, stepped / (asked - begun) * (1 + 1e-9))
 
     def test_fifty_components_are_stepped_together(self):
         with genom.Daemon() as d:
@@ -328,6 +345,31 @@ class Wrong(Case):
                 with open(let_go, "wb"):
                     pass
                 self.assertEqual(d._process.wait(WATCHDOG), 0)
+
+    def test_ctrl_c_ends_the_wait_for_a_codel_and_the_daemon_goes_on(self):
+        options = ["--set", "stuck_after=1"]
+        with tempfile.TemporaryDirectory() as place, genom.Daemon(options=options) as d:
+            let_go = os.path.join(place, "go")
+            blocks = d.load(BLOCKS)
+            blocks.hang_until(let_go, ack=True)
+            main = threading.main_thread().ident
+
+            def interrupt():
+                while "codel blocks_hang_until of" not in read(d.log):
+                    os.sched_yield()
+                signal.pthread_kill(main, signal.SIGINT)
+
+            interrupting = threading.Thread(target=interrupt)
+            interrupting.start()
+            with self.assertRaises(KeyboardInterrupt):
+                d.step(0.01)
+            interrupting.join(WATCHDOG)
+            # It was not the codel that ended the step.
+            self.assertNotIn("returned after", read(d.log))
+            with open(let_go, "wb"):
+                pass
+            # The step that nobody waited for is done, then the next one.
+            self.assertEqual(d.step(0.01), 0.02)
 
     def test_a_codel_that_does_not_return_does_not_keep_the_daemon(self):
         with genom.Daemon(options=["--set", "stop_timeout=1"]) as d:

@@ -50,6 +50,7 @@ fn five_hundred_ports_of_an_embedded_daemon_take_a_file_each_and_give_it_back() 
 fn a_program_steps_its_daemon_and_has_ports_as_numpy_arrays() {
     let python = python::environment(&["numpy==2.4.6"]).unwrap_or_else(|error| panic!("{error}"));
     the_client_passes("tests.test_embedded", &python, &[]);
+    the_client_passes("tests.test_embedded_numpy", &python, &[]);
 }
 
 /// Jupyter warns of what is its own, so that warnings are no errors here.
