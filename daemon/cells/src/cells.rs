@@ -255,13 +255,17 @@ impl Cells {
     pub async fn load(&self, name: &str, request: &LoadRequest) -> Result<Component, OpenError> {
         let cell = self.open(name, std::slice::from_ref(&request.library)).await?;
         let turn = cell.changing().await;
-        let loaded = cell.tell(&routes::load(), request).await;
+        let loaded = match cell.tell(&routes::load(), request).await {
+            // A library, or the runner of a script, ended it: whoever loads is told how.
+            Err(AskError::Gone(_)) => Err(OpenError::Down(cell.lost().await)),
+            loaded => loaded.map_err(OpenError::Ask),
+        };
         if let Ok(component) = &loaded {
             cell.loaded(&component.name);
         }
         drop(turn);
         self.end_if_empty(&cell).await;
-        Ok(loaded?)
+        loaded
     }
 
     /// Takes a component out of its cell, which ends with its last one.

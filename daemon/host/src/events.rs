@@ -60,6 +60,11 @@ impl Events {
     pub(crate) fn pointer(&self, name: &str) -> Option<*const c_char> {
         self.pointers.get(name).map(|&at| at as *const c_char)
     }
+
+    /// Whether the host passes this event to codels, which may return it.
+    pub(crate) fn is_given(&self, event: *const c_char) -> bool {
+        self.pointers.values().any(|&at| at == event as usize)
+    }
 }
 
 /// C names that an event may have (genom3.md 5.3): of states as they are, of exceptions with `_id`.

@@ -11,7 +11,7 @@ use genom_host::Contents;
 use genom_host::interpreter::{self, Given, Interpreter};
 use genom_runtime::plan::Plan;
 
-use crate::loaded::{Loaded, understand};
+use crate::loaded::{LARGEST, Loaded, understand};
 use crate::script;
 
 unsafe extern "C" {
@@ -135,6 +135,8 @@ pub unsafe extern "C" fn genom_run(
 pub unsafe extern "C" fn genom_answer(answer: *mut Answer, text: *const u8, size: usize) {
     // SAFETY: the caller's promise.
     unsafe { (*answer).0 = std::slice::from_raw_parts(text, size).to_vec() };
+    // So much of one that is too large shows that it is.
+    let size = size.min(LARGEST + 1);
 }
 
 /// Writes an entry of the log: an error of a codel, with the lines where it happened.

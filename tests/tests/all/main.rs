@@ -30,6 +30,7 @@ mod process;
 mod projects;
 mod python;
 mod reload;
+mod runners;
 mod scenarios;
 mod tree;
 mod web;

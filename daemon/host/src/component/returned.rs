@@ -37,7 +37,12 @@ impl BoundFrame {
     fn read(&mut self, event: *const c_char, codel: &Prepared, context: &Context) -> Returned {
         let library = &self.inner.code.get().library;
         let constant = library.is_constant(event as usize);
-        let Some(text) = text(event, constant || library.contains(event as usize)) else {
+        // The runner of a script has said where its events are. Others are those of the host, which
+        // ports and remotes returned.
+        let foreign =
+            library.is_script() && !constant && !self.inner.shared.events.get().is_given(event);
+        let known = constant || library.contains(event as usize);
+        let Some(text) = (if foreign { None } else { text(event, known) }) else {
             tracing::error!("codel {} returned {event:p}, where no event is", codel.name);
             return self.fail(format!("{} returned {event:p}, where no event is", codel.name));
         };

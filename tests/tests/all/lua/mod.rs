@@ -1,6 +1,5 @@
-//! Components with codels in Lua, and runners that the configuration names.
+//! Components with codels in Lua.
 
-mod configured;
 mod errors;
 mod kinds;
 mod made;
