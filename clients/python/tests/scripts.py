@@ -6,6 +6,9 @@ from typing import Any, Dict, List, Optional
 
 from genom.runner._loader import Loader
 
+# Only a hanging test takes so many seconds.
+WATCHDOG = 50.0
+
 DOUBLE = {"kind": "double", "name": "double", "size": 8, "align": 8, "fixed": True}
 LONG = {"kind": "long", "name": "long", "size": 4, "align": 4, "fixed": True}
 TEXT = {"kind": "string", "name": "string<8>", "size": 8, "align": 1, "fixed": True, "bound": 8}
@@ -113,10 +116,14 @@ def codel(*parameters: Dict[str, Any], yields: Optional[List[str]] = None) -> Di
     }
 
 
-def request(text: str, one: Dict[str, Any], types: List[Dict[str, Any]] = TYPES) -> bytes:
+def request(
+    text: str, one: Dict[str, Any], types: List[Dict[str, Any]] = TYPES, seconds: float = 60.0
+) -> bytes:
+    """A request to load a script, which has to run through in so many seconds."""
     return json.dumps(
         {
             "path": "/nowhere/demo.py", "text": text, "component": "demo", "place": "demo.gen:1",
+            "seconds": seconds,
             "codels": [one], "ports": PORTS, "remotes": [REMOTE],
             "exceptions": [
                 {"event": "::demo::OUT_OF_RANGE", "name": ["demo", "OUT_OF_RANGE"], "type": 11},

@@ -7,7 +7,7 @@ from typing import Any, Dict, List
 
 from genom.runner._where import where
 
-from .scripts import IDS, Called, Handle, codel, data, pointer, port, refused
+from .scripts import IDS, WATCHDOG, Called, Handle, codel, data, pointer, port, refused
 
 
 class Values(unittest.TestCase):
@@ -370,6 +370,18 @@ class Refused(unittest.TestCase):
         # Of a function inside, it is none of the codel's.
         inner = "def f():\n    def inner():\n        yield 1\n    return 'ether'\n"
         self.assertIn("functions", Called(inner, one).answer)
+
+    def test_a_script_that_does_not_run_through(self) -> None:
+        told = (
+            "line 2: the script is here after 0.2 s (start_timeout), and has not run through: what "
+            "takes longer, or goes on, belongs into a codel"
+        )
+        self.assert_refused("\nwhile True: pass\ndef f(): pass\n", codel(), told, seconds=0.2)
+        # Nothing of it goes on.
+        for one in threading.enumerate():
+            if one.name == "script":
+                one.join(WATCHDOG)
+                self.assertFalse(one.is_alive())
 
     def test_a_script_that_does_not_run(self) -> None:
         self.assert_refused("\ndef f(:\n", codel(), "line 2: invalid syntax")

@@ -57,7 +57,8 @@ fn refused_by_runner(settings: &Settings, request: &LoadRequest, language: &str)
         return Some(format!("{library}: nothing runs codels in {language} (runners.{language})"));
     };
     let mut command = genom_cells::in_runner(&words);
-    command.arg("--check");
+    let longest = settings.supervisor.start_timeout.as_secs();
+    command.arg("--check").arg("--set").arg(format!("start_timeout={longest}"));
     if let Some(runner) = settings.config.runner_setting(language) {
         // Otherwise the process would not know which files are of that language.
         command.arg("--set").arg(runner);

@@ -22,8 +22,8 @@ pub trait Interpreter: Send + Sync {
     /// The language of its scripts, as in `lang`.
     fn language(&self) -> &str;
 
-    /// Runs the text of a script, and compares its functions with the codels of the plan: their
-    /// names, their parameters, and what they can be seen to return.
+    /// Runs the text of a script, which may take so long, and compares its functions with the codels
+    /// of the plan: their names, their parameters, and what they can be seen to return.
     ///
     /// # Errors
     /// All that is wrong, as sentences with the places in the description and in the script.
@@ -31,6 +31,7 @@ pub trait Interpreter: Send + Sync {
         &self,
         script: &Contents,
         plan: &Plan,
+        within: Duration,
         locate: &dyn Fn(Span) -> String,
     ) -> Result<Given, Vec<String>>;
 

@@ -5,6 +5,7 @@ use std::ffi::{CStr, OsString, c_char, c_int};
 use std::os::unix::ffi::OsStringExt as _;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 use genom_description::model::Span;
 use genom_host::Contents;
@@ -65,9 +66,10 @@ impl Interpreter for Runner {
         &self,
         script: &Contents,
         plan: &Plan,
+        within: Duration,
         locate: &dyn Fn(Span) -> String,
     ) -> Result<Given, Vec<String>> {
-        let request = script::request(script, plan, locate)?;
+        let request = script::request(script, plan, within, locate)?;
         let mut answer = Answer(Vec::new());
         // SAFETY: the interpreter passed this function, and lives as long as the process; the request
         // and the answer live until it returns, and it keeps neither.

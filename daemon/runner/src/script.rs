@@ -1,6 +1,8 @@
 //! What the interpreter has to know of a script: the codels that it is to have, and the memory that
 //! they work on.
 
+use std::time::Duration;
+
 use genom_description::c_names::records;
 use genom_description::model::{
     Codel, CodelKind, Component, Direction, Ix as _, Owner, PortDirection, Remote, Source, Span,
@@ -18,6 +20,7 @@ use serde_json::{Value, json};
 pub(crate) fn request(
     script: &Contents,
     plan: &Plan,
+    within: Duration,
     locate: &dyn Fn(Span) -> String,
 ) -> Result<Vec<u8>, Vec<String>> {
     let text = std::str::from_utf8(&script.bytes)
@@ -52,6 +55,7 @@ pub(crate) fn request(
     let request = json!({
         "path": std::path::absolute(&script.path).unwrap_or_else(|_| script.path.clone()),
         "text": text,
+        "seconds": within.as_secs_f64(),
         "component": model.name,
         "place": locate(model.span),
         "codels": codels,

@@ -23,6 +23,7 @@ pub use zones::{MemoryCheck, check_memory};
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 use genom_description::model::{Owner, PortIx, RemoteIx, Span};
 use genom_middleware::{Publisher, Subscription};
@@ -75,13 +76,15 @@ impl Component {
         Self::make(library, plan, locate, false)
     }
 
-    /// Has the interpreter of this process load a script, as [`load`](Self::load) does a library.
+    /// Has the interpreter of this process load a script, as [`load`](Self::load) does a library. What
+    /// the script does when it is run may take so long.
     ///
     /// # Errors
     /// As for `load`; or the process has no interpreter, or the script does not fit.
     pub fn load_script(
         script: Contents,
         plan: &Plan,
+        within: Duration,
         locate: &dyn Fn(Span) -> String,
     ) -> Result<Self, LoadErrors> {
         let refuse = |errors| LoadErrors { library: script.path.clone(), errors };
@@ -99,7 +102,7 @@ impl Component {
             return Err(refuse(vec![LoadError::NoInterpreter { language }]));
         };
         let given = interpreter
-            .load(&script, plan, locate)
+            .load(&script, plan, within, locate)
             .map_err(|errors| refuse(errors.into_iter().map(LoadError::Codels).collect()))?;
         Self::make(Library::of_script(script, given), plan, locate, false)
     }

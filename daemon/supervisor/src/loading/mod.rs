@@ -148,7 +148,7 @@ pub(crate) fn begin(
     masquerades.extend(supervisor.backends.rename(genom_protocol::renamed(&name, &request.remap))?);
     let opened = match opened {
         Some(opened) => opened,
-        None => open(&mut located, &reading)?,
+        None => open(&mut located, &reading, &supervisor.settings)?,
     };
     let (component, digest) = opened;
     component.name_it(&name);
@@ -175,7 +175,7 @@ pub fn fit(settings: &Settings, request: &LoadRequest) -> Result<String, LoadErr
     let mut located = locate(request, &settings.path)?;
     let reading = Reading::new(&located.description, &settings.include)?;
     tell_warnings(&located, &reading);
-    open(&mut located, &reading)?;
+    open(&mut located, &reading, settings)?;
     let model = reading.model();
     Ok(format!(
         "{} fits {}: component {}, digest {}",
@@ -190,6 +190,7 @@ pub fn fit(settings: &Settings, request: &LoadRequest) -> Result<String, LoadErr
 pub(crate) fn open(
     located: &mut Located,
     reading: &Reading,
+    settings: &Settings,
 ) -> Result<(Component, Digest), LoadError> {
     let contents = match located.contents.take() {
         Some(contents) => contents,
@@ -198,7 +199,8 @@ pub(crate) fn open(
     let digest = contents.digest();
     let place = |span| reading.place(span);
     if contents.is_script() {
-        return Ok((Component::load_script(contents, &reading.plan, &place)?, digest));
+        let within = settings.start_timeout;
+        return Ok((Component::load_script(contents, &reading.plan, within, &place)?, digest));
     }
     let library = Library::of(contents).map_err(|error| explain(error, reading))?;
     if reading.fits(&digest) {

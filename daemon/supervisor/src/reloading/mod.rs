@@ -138,7 +138,7 @@ impl Supervisor {
             return Err(ReloadError::OtherComponent { name, runs, found });
         }
         self.load_beforehand(&mut source)?;
-        let (component, digest) = open(&mut source.located, &source.reading)?;
+        let (component, digest) = open(&mut source.located, &source.reading, &self.settings)?;
         component.name_it(&hosted.name);
         source.opened = Some((component, digest));
         Ok(Found { request, source })

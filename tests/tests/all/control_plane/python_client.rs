@@ -137,6 +137,11 @@ fn codels_in_python_use_numpy_where_it_is() {
 }
 
 #[test]
+fn what_codels_print_is_counted() {
+    the_standard_library_is_enough("tests.test_odd", "local");
+}
+
+#[test]
 fn views_that_codels_keep_are_told() {
     the_standard_library_is_enough("tests.test_kept", "local");
     let python = python::environment(&["numpy==2.4.6"]).unwrap_or_else(|error| panic!("{error}"));

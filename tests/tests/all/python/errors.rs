@@ -2,7 +2,7 @@
 
 use genom_tests::until;
 
-use super::started;
+use super::{how, started, started_with};
 
 #[test]
 fn a_declared_exception_is_raised_with_its_detail() {
@@ -102,4 +102,21 @@ fn a_view_that_a_codel_keeps_is_told_once_with_the_line() {
         .expect_err("of service run, ")
         .expect_err("axis.py:43, keeps a view");
     assert_eq!(finished.err.matches(told).count(), 1, "{}", finished.err);
+}
+
+#[test]
+fn what_is_printed_to_standard_error_counts_and_what_goes_past_python_does_not() {
+    let more = "    if what == \"complain\":
+        print(\"x\" * 3_000_000, file=sys.stderr)
+    if what == \"raw\":
+        os.write(1, b\"x\" * 3_000_000)
+";
+    let (daemon, _scratch) = started_with(&how(more), &[]);
+    for what in ["what=raw", "what=complain"] {
+        daemon.ctl(&["call", "axis", "how", what]).expect_code(0);
+    }
+    let (finished, _) = daemon.stop("TERM");
+    finished.expect_err("axis.py\", line 16, in axis_how");
+    let told = "more than 1 MiB is printed in a second";
+    assert_eq!(finished.err.matches(told).count(), 1);
 }

@@ -3,6 +3,7 @@
 mod embedded;
 mod ends;
 mod errors;
+mod imported;
 mod made;
 mod refused;
 mod reloaded;
@@ -96,6 +97,13 @@ def axis_stop(what):
     return "ether"
 "#;
 
+/// The script, with more that `axis_how` does.
+fn how(more: &str) -> String {
+    let first = "    if what == \"refuse\":\n";
+    assert!(SCRIPT.contains(first));
+    SCRIPT.replace(first, &format!("{more}{first}"))
+}
+
 /// A directory with the component.
 fn axis(description: &str, script: &str) -> (TempDir, PathBuf) {
     let scratch = tempfile::tempdir().unwrap();
@@ -107,7 +115,12 @@ fn axis(description: &str, script: &str) -> (TempDir, PathBuf) {
 
 /// A daemon with the component, and a directory that it needs.
 fn started(options: &[&str]) -> (Daemon, TempDir) {
-    let (scratch, file) = axis(DESCRIPTION, SCRIPT);
+    started_with(SCRIPT, options)
+}
+
+/// The same with another script.
+fn started_with(script: &str, options: &[&str]) -> (Daemon, TempDir) {
+    let (scratch, file) = axis(DESCRIPTION, script);
     let daemon = Home::new().start(&[options, &[path(&file)]].concat());
     (daemon, scratch)
 }

@@ -8,15 +8,20 @@ import sys
 import threading
 import time
 import traceback
-from typing import Callable, Set, Tuple
+from typing import Callable, List, Set, Tuple
 
 # Characters printed in a second that are told.
 MOST_PRINTED = 1 << 20
+# The module that runs the text of a script.
+_RUNS = os.path.join(os.path.dirname(__file__), "_script.py")
 
 
 def lines_of(depth: int) -> str:
     """The lines of codels that lead to a caller, ``depth`` frames above the one that asks."""
-    frames = traceback.extract_stack(sys._getframe(depth + 1))
+    frames = list(traceback.extract_stack(sys._getframe(depth + 1)))
+    # What runs a script is above its own lines.
+    ran = [rank for rank, one in enumerate(frames) if one.filename == _RUNS]
+    del frames[: ran[-1] + 1 if ran else 0]
     own = [one for one in frames if not one.filename.startswith("<codel ")]
     return "".join(traceback.format_list(own)).rstrip()
 
@@ -37,26 +42,40 @@ class Places:
             self._log(f"{what}:\n{lines_of(depth + 1)}")
 
 
-class Output(io.TextIOWrapper):
-    """Standard output that tells of a codel that prints without end."""
+# A stream that nobody refers to closes what it writes to; scripts may put others in their place.
+_outputs: List[io.TextIOWrapper] = []
 
-    def __init__(self, plain: io.TextIOWrapper, places: Places) -> None:
-        super().__init__(
-            plain.buffer, plain.encoding, plain.errors, line_buffering=plain.line_buffering
-        )
-        self._places = places
+
+class Count:
+    """Characters that were printed in the present second."""
+
+    def __init__(self) -> None:
         self._alone = threading.Lock()
         self._since, self._printed = time.monotonic(), 0
 
-    def write(self, text: str) -> int:
-        """Writes, and counts."""
+    def add(self, count: int) -> bool:
+        """Counts more of them; whether they are too many."""
         with self._alone:
             now = time.monotonic()
             if now - self._since > 1.0:
                 self._since, self._printed = now, 0
-            self._printed += len(text)
-            much = self._printed > MOST_PRINTED
-        if much:
+            self._printed += count
+            return self._printed > MOST_PRINTED
+
+
+class Output(io.TextIOWrapper):
+    """Standard output, or standard error, that tells of a codel that prints without end."""
+
+    def __init__(self, plain: io.TextIOWrapper, count: Count, places: Places) -> None:
+        super().__init__(
+            plain.buffer, plain.encoding, plain.errors, line_buffering=plain.line_buffering,
+            write_through=plain.write_through,
+        )
+        self._count, self._places = count, places
+
+    def write(self, text: str) -> int:
+        """Writes, and counts."""
+        if self._count.add(len(text)):
             self._places.tell("more than 1 MiB is printed in a second", 1)
         return super().write(text)
 
@@ -67,9 +86,15 @@ def watch(log: Callable[[str], None]) -> None:
 
     def forks() -> None:
         if os.getpid() == process:
-            what = "os.fork: the child ends where it would return from the codel"
+            what = "os.fork: the child ends where it would return from the codel, or from the script"
             places.tell(what, 1)
 
     os.register_at_fork(before=forks)
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout = Output(sys.stdout, places)
+    # One count for both: what is printed to either harms in the same way.
+    count = Count()
+    for name in ("stdout", "stderr"):
+        plain = getattr(sys, name)
+        if isinstance(plain, io.TextIOWrapper):
+            output = Output(plain, count, places)
+            setattr(sys, name, output)
+            _outputs.append(output)

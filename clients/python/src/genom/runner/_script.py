@@ -11,6 +11,7 @@ from typing import Any, Callable, Dict, List
 
 from ._events import Exceptions
 from ._kinds import Enum
+from ._limit import TooLong, run_within
 from ._types import Types
 
 
@@ -29,6 +30,7 @@ class Script:
         self.path: str = request["path"]
         self.text: str = request["text"]
         self._component: str = request["component"]
+        self._seconds: float = request["seconds"]
         self.undo: Callable[[], None] = lambda: None
         self._types_name = f"{self._component}_types"
         self._types = _types_module(self._types_name, request, known, exceptions)
@@ -61,7 +63,9 @@ class Script:
 
         self.undo = undo
         try:
-            exec(compile(self.text, self.path, "exec"), module.__dict__)
+            run_within(
+                self._seconds, lambda: exec(compile(self.text, self.path, "exec"), module.__dict__)
+            )
         except BaseException as error:
             undo()
             raise Refused([_why(error, self.path)]) from None
@@ -77,12 +81,14 @@ def _why(error: BaseException, path: str) -> str:
     """The error, with the line of the script that led to it."""
     if isinstance(error, SyntaxError) and error.filename == path:
         return f"line {error.lineno}: {error.msg}"
-    frames = traceback.extract_tb(error.__traceback__)
+    late = isinstance(error, TooLong)
+    frames = error.frames if isinstance(error, TooLong) else traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if frame.filename == path]
     where = f"line {own[-1].lineno}: " if own else ""
     inner = frames[-1] if frames else None
     within = "" if inner is None or (own and inner is own[-1]) else f" ({inner.filename}:{inner.lineno})"
-    return f"{where}{type(error).__name__}: {error}{within}"
+    what = str(error) if late else f"{type(error).__name__}: {error}"
+    return f"{where}{what}{within}"
 
 
 def _types_module(
