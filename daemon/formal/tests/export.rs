@@ -55,6 +55,58 @@ fn uppaal_gets_the_same_states_and_steps() {
     assert!(text.contains("<formula>A[] not c.late_fast</formula>"), "{text}");
 }
 
+/// What an element contains, in order: names, each at least and at most so many times. An element that
+/// is not here has text only.
+const DOCUMENT_TYPE: [(&str, &[(&str, usize, usize)]); 7] = [
+    ("nta", &[("declaration", 0, 1), ("template", 1, MANY), ("system", 1, 1), ("queries", 0, 1)]),
+    ("template", &[("name", 1, 1), ("location", 0, MANY), ("init", 0, 1), ("transition", 0, MANY)]),
+    ("location", &[("name", 0, 1), ("label", 0, MANY), ("urgent", 0, 1), ("committed", 0, 1)]),
+    ("transition", &[("source", 1, 1), ("target", 1, 1), ("label", 0, MANY)]),
+    ("queries", &[("query", 0, MANY)]),
+    ("query", &[("formula", 1, 1), ("comment", 1, 1)]),
+    ("init", &[]),
+];
+const MANY: usize = usize::MAX;
+
+/// Whether an element and all in it is as the document type says.
+fn is_valid(element: roxmltree::Node<'_, '_>) -> bool {
+    let name = element.tag_name().name();
+    let children: Vec<_> = element.children().filter(roxmltree::Node::is_element).collect();
+    let contains = DOCUMENT_TYPE.iter().find(|(own, _)| *own == name).map_or(&[][..], |one| one.1);
+    let mut left = children.iter().map(|child| child.tag_name().name()).peekable();
+    let in_order = contains.iter().all(|(name, least, most)| {
+        let mut count = 0;
+        while left.next_if_eq(name).is_some() {
+            count += 1;
+        }
+        (*least..=*most).contains(&count)
+    });
+    in_order && left.next().is_none() && children.into_iter().all(is_valid)
+}
+
+#[test]
+fn uppaal_gets_a_file_of_its_document_type_in_which_each_reference_is_to_a_location() {
+    // With and without what comes before the first tick, and with names of what is done.
+    for text in [shifted(), DUO.to_owned()] {
+        let system = running(&text);
+        let times = system.declared_times();
+        let text = system.export(Format::Uppaal, Some(&times), &limits()).unwrap();
+        let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+        let document = roxmltree::Document::parse_with_options(&text, options).unwrap();
+        let root = document.root_element();
+        assert_eq!(root.tag_name().name(), "nta");
+        assert!(is_valid(root), "{text}");
+        let with = |attribute: &'static str| {
+            document.descendants().filter_map(move |one| one.attribute(attribute))
+        };
+        let ids: BTreeSet<&str> = with("id").collect();
+        assert_eq!(ids.len(), with("id").count(), "two have one id");
+        assert!(with("ref").count() > ids.len() && with("ref").all(|one| ids.contains(one)));
+        let ended = |name: &str| document.descendants().filter(|one| one.has_tag_name(name)).count();
+        assert_eq!(with("ref").count(), 2 * ended("transition") + ended("init"));
+    }
+}
+
 #[test]
 fn clocks_want_times_of_all_codels() {
     let system = running(&shifted().replace("wcet 8 ms", ""));
