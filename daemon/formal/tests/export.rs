@@ -102,7 +102,8 @@ fn uppaal_gets_a_file_of_its_document_type_in_which_each_reference_is_to_a_locat
         let ids: BTreeSet<&str> = with("id").collect();
         assert_eq!(ids.len(), with("id").count(), "two have one id");
         assert!(with("ref").count() > ids.len() && with("ref").all(|one| ids.contains(one)));
-        let ended = |name: &str| document.descendants().filter(|one| one.has_tag_name(name)).count();
+        let ended =
+            |name: &str| document.descendants().filter(|one| one.has_tag_name(name)).count();
         assert_eq!(with("ref").count(), 2 * ended("transition") + ended("init"));
     }
 }

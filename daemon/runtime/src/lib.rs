@@ -76,6 +76,7 @@ pub use running::{HeldUp, RunningCodel, seconds};
 pub use shutdown::ShutdownError;
 pub use start::StartError;
 pub use statistics::{CodelStatistics, Statistics, TaskHistograms, TaskStatistics};
+pub use stuck::patience;
 pub use ticket::Ticket;
 pub use unpaused::Unpaused;
 pub use waits::CannotWait;

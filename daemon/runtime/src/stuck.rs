@@ -22,6 +22,14 @@ const TURN: Duration = Duration::from_millis(20);
 /// Interval of polling while a codel runs longer than that: its return wakes nobody.
 const LOOK: Duration = Duration::from_millis(2);
 
+/// Nanoseconds after which a codel without `wcet` counts as stuck: `stuck_after`; in a task with this
+/// period five of them, but at least the shorter of one second and `stuck_after`.
+#[must_use]
+pub fn patience(period: Option<u64>, stuck_after: u64) -> u64 {
+    period
+        .map_or(stuck_after, |period| period.saturating_mul(PERIODS).max(PERIODIC.min(stuck_after)))
+}
+
 impl Engine {
     /// Codels that run now, in the order of contexts: those of tasks first.
     pub(crate) fn running_codels(&self) -> Vec<RunningCodel> {
@@ -58,14 +66,10 @@ impl Engine {
         self.patience_with(context).max(stated)
     }
 
-    /// Nanoseconds after which work of a context counts as stuck: `stuck_after`; for a periodic
-    /// task five periods, but at least the shorter of one second and `stuck_after`.
+    /// Nanoseconds after which work of a context counts as stuck.
     pub(crate) fn patience_with(&self, context: usize) -> u64 {
-        let others = nanos(self.stuck_after);
         let timing = self.shared.tasks.get(TaskIx::new(context)).and_then(|task| task.timing);
-        timing.map_or(others, |timing| {
-            timing.period.saturating_mul(PERIODS).max(PERIODIC.min(others))
-        })
+        patience(timing.map(|timing| timing.period), nanos(self.stuck_after))
     }
 
     /// The codel that has run for longest among those selected by `concerns`.

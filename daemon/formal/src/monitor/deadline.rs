@@ -1,12 +1,14 @@
 //! Deadlines of codels and cycles, and missed ticks.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use genom_description::model::{CodelIx, Ix as _, TaskIx};
-use genom_runtime::{Happening, Part, Program, nanos};
+use genom_description::model::{CodelIx, CodelKind, Ix as _, Owner, TaskIx};
+use genom_runtime::{Happening, Part, Program, STUCK_AFTER, nanos, patience};
 
+use super::cycles::Cycles;
 use super::fires::{Fires, undecided};
 use super::search::Watched;
+use super::ticks::Ticks;
 use crate::explore::Limits;
 use crate::system::System;
 use crate::text::duration;
@@ -57,7 +59,30 @@ impl System {
         }
     }
 
-    /// Cycles that take longer. A cycle begins at its tick.
+    /// Calls of codels that count as stuck, with the default of `stuck_after`.
+    pub(super) fn stuck(
+        &self,
+        codels: &[CodelIx],
+        times: Result<&Times, &str>,
+        limits: &Limits,
+    ) -> Fires {
+        let model = self.plan.component();
+        let limit = |ix: &CodelIx| {
+            let codel = &model.codels[*ix];
+            // Who calls it: a task, or the worker of a request.
+            let task = match codel.owner {
+                _ if !matches!(codel.kind, CodelKind::Fsm { .. }) => None,
+                Owner::Task(task) => Some(task),
+                Owner::Service(service) => model.services[service].task,
+            };
+            let period = task.and_then(|task| self.periods.get(task.index()).copied().flatten());
+            let most = patience(period.map(|period| period.period), nanos(STUCK_AFTER));
+            (*ix, Duration::from_nanos(most.max(codel.wcet.map_or(0, nanos))))
+        };
+        self.longest(&codels.iter().map(limit).collect::<Vec<_>>(), times, limits)
+    }
+
+    /// Cycles that take longer.
     pub(super) fn cycle(
         &self,
         task: TaskIx,
@@ -65,25 +90,30 @@ impl System {
         times: Result<&Times, &str>,
         limits: &Limits,
     ) -> Fires {
-        self.with_report(task, times, limits, |report, all_seen| {
-            let limit = nanos(longest);
-            match report.response {
-                Some(most) if most > limit && report.slowest.is_empty() => {
-                    undecided("not all was seen, and sums alone do not decide it")
-                }
-                Some(most) if most > limit => {
-                    let what = format!(
-                        "a cycle of task {} may take {}, and {} are allowed",
-                        report.name,
-                        duration(most),
-                        duration(limit)
-                    );
-                    let run = report.slowest.iter().map(|dated| dated.line.clone()).collect();
-                    Fires::Can { what, run }
-                }
-                Some(_) if all_seen => Fires::Never,
-                _ => undecided("not all was seen"),
+        let (times, _) = match self.periodic(task, times) {
+            Ok(found) => found,
+            Err(why) => return undecided(why),
+        };
+        let (begin, limit) = (Instant::now(), nanos(longest));
+        let mut cycles = Cycles { task: crate::codels::small(task.index()), limit };
+        let seen = self.clocked(&mut cycles, times, &limits.share(begin, 1));
+        let Fires::Undecided(why) = seen else { return seen };
+        // What is too large may be decided by its parts, from ticks on.
+        let limits = limits.share(begin, 0);
+        self.with_report(task, times, &limits, |report, all_seen| match report.response {
+            // A tick that was kept is before the beginning of its cycle.
+            Some(most) if most > limit && !report.is_late() && !report.slowest.is_empty() => {
+                let what = format!(
+                    "a cycle of task {} may take {}, and {} are allowed",
+                    report.name,
+                    duration(most),
+                    duration(limit)
+                );
+                let run = report.slowest.iter().map(|dated| dated.line.clone()).collect();
+                Fires::Can { what, run }
             }
+            Some(most) if most <= limit && all_seen => Fires::Never,
+            _ => Fires::Undecided(why),
         })
     }
 
@@ -91,36 +121,67 @@ impl System {
     pub(super) fn missed(
         &self,
         task: TaskIx,
-        ticks: u64,
+        (ticks, within): (u64, Duration),
         times: Result<&Times, &str>,
         limits: &Limits,
     ) -> Fires {
-        self.with_report(task, times, limits, |report, all_seen| match (report.is_late(), ticks) {
-            (false, _) if all_seen => Fires::Never,
-            (false, _) => undecided("not all was seen"),
-            (true, 1) => {
-                let what = format!("{} is still at work at its tick", report.name);
-                let run = report.overrun.iter().map(|dated| dated.line.clone()).collect();
-                Fires::Can { what, run }
+        let (times, period) = match self.periodic(task, times) {
+            Ok(found) => found,
+            Err(why) => return undecided(why),
+        };
+        let (begin, number) = (Instant::now(), crate::codels::small(task.index()));
+        let mut watch = Ticks::new(number, ticks, (period, nanos(within)));
+        let seen = self.clocked(&mut watch, times, &limits.share(begin, 2));
+        match seen {
+            Fires::Never if watch.perhaps => undecided(
+                "so many can be missed, and whether that is within the window depends on when the \
+                 runtime looks",
+            ),
+            Fires::Undecided(why) => {
+                watch.startup = true;
+                let first = self.clocked(&mut watch, times, &limits.share(begin, 1));
+                let limits = limits.share(begin, 0);
+                self.with_report(task, times, &limits, |report, all_seen| {
+                    let never = !report.is_late() && all_seen && first == Fires::Never;
+                    match (report.is_late(), ticks) {
+                        (true, 1) => {
+                            let what = format!("{} is still at work at its tick", report.name);
+                            let run = report.overrun.iter().map(|dated| dated.line.clone());
+                            Fires::Can { what, run: run.collect() }
+                        }
+                        _ if never => Fires::Never,
+                        _ => Fires::Undecided(why),
+                    }
+                })
             }
-            (true, _) => undecided("one tick can be missed; how many, is not explored"),
-        })
+            other => other,
+        }
+    }
+
+    /// The times, and the period of a task; or why nothing is known of its cycles.
+    fn periodic<'t>(
+        &self,
+        task: TaskIx,
+        times: Result<&'t Times, &'t str>,
+    ) -> Result<(&'t Times, u64), &'t str> {
+        let period = self.periods.get(task.index()).copied().flatten();
+        let period = period.ok_or("the task has no period: when it is woken is not known")?;
+        let number = crate::codels::small(task.index());
+        if !self.is_looked_at(number) {
+            return Err(
+                "the task does nothing once requests are served: its ticks are not explored",
+            );
+        }
+        Ok((times?, period.period))
     }
 
     fn with_report(
         &self,
         task: TaskIx,
-        times: Result<&Times, &str>,
+        times: &Times,
         limits: &Limits,
         judge: impl FnOnce(&TaskReport, bool) -> Fires,
     ) -> Fires {
-        let times = match times {
-            Ok(times) => times,
-            Err(why) => return undecided(why),
-        };
-        if self.periods.get(task.index()).copied().flatten().is_none() {
-            return undecided("the task has no period: when it is woken is not known");
-        }
         let name = self.task_name(crate::codels::small(task.index()));
         let found = self.check_ticks(times, limits);
         match found.tasks.iter().find(|one| one.name == name) {

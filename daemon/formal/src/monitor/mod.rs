@@ -4,7 +4,10 @@
 //! with that of the system. What a task does from the return of a codel to its next call is one step:
 //! nothing of others comes between.
 
+mod beats;
 mod bounded;
+mod clocked;
+mod cycles;
 mod dated;
 mod deadline;
 mod fires;
@@ -12,10 +15,12 @@ mod heard;
 mod moment;
 mod search;
 mod step;
+mod ticks;
+mod waiting;
 
 use std::time::Instant;
 
-use genom_runtime::{Happening, Part, Program, Rule};
+use genom_runtime::{Happening, Part, Program, Rule, nanos};
 
 pub use self::fires::Fires;
 use self::fires::undecided;
@@ -50,14 +55,20 @@ impl System {
             Rule::Step { owner, from, to } => self.takes_step(*owner, (*from, *to), limits),
             Rule::Longest { codels } => self.longest(codels, times, limits),
             Rule::Cycle { task, longest } => self.cycle(*task, *longest, times, limits),
-            Rule::Missed { task, ticks, .. } => self.missed(*task, *ticks, times, limits),
-            Rule::Stuck { .. } => {
-                undecided("a codel that does not return is none that the model knows of")
+            Rule::Missed { task, ticks, within } => {
+                self.missed(*task, (*ticks, *within), times, limits)
             }
-            Rule::Activity { .. } | Rule::Stop { .. } => {
-                undecided("times of activities are not explored")
+            Rule::Stuck { codels } => self.stuck(codels, times, limits),
+            Rule::Activity { service, longest } => {
+                self.waiting((*service, false), *longest, times, limits)
             }
-            Rule::Beat { .. } => undecided("times between calls and values are not explored"),
+            Rule::Stop { service, longest } => {
+                self.waiting((*service, true), *longest, times, limits)
+            }
+            Rule::Beat { of, least, longest, during } => {
+                let bounds = (nanos(*least), nanos(*longest));
+                self.heartbeat(of, bounds, *during, times, limits)
+            }
         }
     }
 

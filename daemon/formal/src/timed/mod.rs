@@ -3,6 +3,7 @@
 mod clocks;
 mod dates;
 mod explore;
+mod follow;
 #[cfg(test)]
 mod golden;
 mod potential;
@@ -20,6 +21,7 @@ pub(crate) use clocks::{
 };
 pub(crate) use dates::dates;
 pub use explore::{Overrun, Timed};
+pub(crate) use follow::{Follow, Over, accepts, after_into, forget, number, over, running};
 pub(crate) use potential::Potential;
 pub use report::{Dated, Seen, TaskReport, TimedReport};
 pub use respond::{Longest, Response};

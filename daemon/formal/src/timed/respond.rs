@@ -6,20 +6,15 @@
 use std::time::Instant;
 
 use super::clocks::{Clock, clocks, guarded, initial, stepped};
+use super::follow::{Over, after_into, choices, forget, number, over};
 use super::table::Table;
 use super::times::Times;
-use crate::action::{Action, Told};
 use crate::codels::small;
 use crate::explore::{Limit, Limits};
 use crate::property::stops_late;
-use crate::rules::runs_of;
-use crate::state::{Life, Pc, State};
+use crate::state::State;
 use crate::system::System;
 
-/// The number of an activity that is followed from its acceptance on.
-const ACCEPTED: u32 = 1;
-/// And of one that is followed from when it was asked to stop.
-const ASKED: u32 = 2;
 /// What takes more than so many of the longest period is not told apart.
 const PERIODS: u64 = 16;
 
@@ -89,7 +84,7 @@ impl System {
 
     /// Groups of tasks with the services that matter to them; all at once if tasks without period
     /// run activities.
-    fn parts_of_activities(&self) -> Vec<Self> {
+    pub(crate) fn parts_of_activities(&self) -> Vec<Self> {
         let aperiodic = |machine: &crate::machines::Machine| {
             machine.service.is_some() && self.is_aperiodic(machine.task)
         };
@@ -165,98 +160,4 @@ fn longer(longest: &mut Option<Option<u64>>, most: Option<u64>, cap: u64) {
         None => most,
         Some(before) => before.zip(most).map(|(a, b)| a.max(b)),
     });
-}
-
-/// Which activity is followed from a step on.
-#[derive(Clone, Copy)]
-enum Follow {
-    /// No other than before.
-    None,
-    /// The one that is accepted.
-    Accepted,
-    /// The one at this place of a task, if it is asked to stop.
-    Asked(usize, usize),
-}
-
-fn choices(system: &System, state: &State, action: Action) -> Vec<Follow> {
-    let mut all = vec![Follow::None];
-    if number(state).is_some() {
-        return all;
-    }
-    if let Action::Proceed(service) = action
-        && system.pc(state, service) == Some(Pc::Conclude)
-        && system.services[usize::from(service)].machine.is_some()
-    {
-        all.push(Follow::Accepted);
-    }
-    if matches!(action, Action::Proceed(_) | Action::Abort(..) | Action::Collect(_)) {
-        for (at, task) in state.tasks.iter().enumerate() {
-            let runs = task.runs.iter().enumerate();
-            let runs = runs.filter(|(_, run)| run.life == Life::Run && !run.asked);
-            let runs = runs.filter(|(_, run)| system.service_of(run).is_some());
-            all.extend(runs.map(|(run, _)| Follow::Asked(at, run)));
-        }
-    }
-    all
-}
-
-fn after_into(
-    system: &System,
-    (next, state): (&mut State, &State),
-    action: Action,
-    follow: Follow,
-    told: &mut Vec<Told>,
-) {
-    match follow {
-        Follow::None => system.after_into(next, state, action, told),
-        Follow::Accepted => {
-            let state = State { next: ACCEPTED, ..state.clone() };
-            system.after_into(next, &state, action, told);
-            next.next = 0;
-        }
-        Follow::Asked(task, run) => {
-            system.after_into(next, state, action, told);
-            if let Some(run) = next.tasks[task].runs.get_mut(run).filter(|run| run.asked) {
-                run.number = ASKED;
-            }
-        }
-    }
-}
-
-/// The number of the activity that is followed.
-fn number(state: &State) -> Option<u32> {
-    let pending = state.pending.iter().map(|pending| pending.number);
-    let runs = state.tasks.iter().flat_map(runs_of).map(|run| run.number);
-    pending.chain(runs).find(|number| *number != 0)
-}
-
-/// How what is followed is over.
-enum Over {
-    Begun,
-    Ended,
-    Gone,
-}
-
-/// The service of which an activity need not be followed any more.
-fn over(system: &System, state: &State, next: &State, told: &[Told]) -> Option<(u16, Over)> {
-    let number = number(state)?;
-    let mut runs = state.tasks.iter().flat_map(runs_of);
-    let service = match runs.find(|run| run.number == number) {
-        Some(run) => system.service_of(run)?,
-        None => state.pending.iter().find(|pending| pending.number == number)?.service,
-    };
-    if told.iter().any(|told| matches!(told, Told::Ended(ended, _) if *ended == number)) {
-        return Some((service, if number == ASKED { Over::Ended } else { Over::Gone }));
-    }
-    let mut runs = next.tasks.iter().flat_map(runs_of);
-    let begun = runs.any(|run| run.number == number && run.life == Life::Run);
-    (number == ACCEPTED && begun).then_some((service, Over::Begun))
-}
-
-fn forget(state: &mut State) {
-    for task in &mut state.tasks {
-        let runs = task.runs.iter_mut().chain(&mut task.inbox).chain(&mut task.outbox);
-        runs.for_each(|run| run.number = 0);
-    }
-    state.pending.iter_mut().for_each(|pending| pending.number = 0);
 }

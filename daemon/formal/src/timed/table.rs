@@ -119,17 +119,23 @@ impl Table {
         system: &System,
         (node, action): (u32, Action),
     ) -> Vec<(State, Action)> {
-        let state = |node: u32| {
-            let node = self.nodes.get(node as usize)?;
-            self.states.get_index(node.state).map(|bytes| unpacked(bytes))
-        };
-        let mut steps: Vec<(State, Action)> =
-            state(node).map(|state| (state, action)).into_iter().collect();
-        let mut at = node;
+        let mut steps = self.way_to(system, node);
+        steps.extend(self.state(node).map(|state| (state, action)));
+        steps
+    }
+
+    fn state(&self, node: u32) -> Option<State> {
+        let node = self.nodes.get(node as usize)?;
+        self.states.get_index(node.state).map(|bytes| unpacked(bytes))
+    }
+
+    /// A run to a node: each state before it, and the step that leaves that.
+    pub(crate) fn way_to(&self, system: &System, node: u32) -> Vec<(State, Action)> {
+        let (mut steps, mut at) = (Vec::new(), node);
         while at > 0 {
             let Some(node) = self.nodes.get(at as usize) else { break };
             let (before, step) = node.before;
-            let Some(from) = state(before) else { break };
+            let Some(from) = self.state(before) else { break };
             if let Some(action) = system.timed(&from).get(usize::from(step)) {
                 steps.push((from, *action));
             }

@@ -57,8 +57,17 @@ pub(crate) fn plan(text: &str) -> Arc<Plan> {
 
 /// The run of this seed: always the same.
 pub(crate) fn play(seed: u64) -> Played {
+    play_with(seed, component, |_, _| {})
+}
+
+/// The same of a component described in this way, and of an instance with other options.
+pub(crate) fn play_with(
+    seed: u64,
+    describe: impl FnOnce(&mut Random) -> String,
+    set: impl FnOnce(&Plan, &mut Options),
+) -> Played {
     let mut random = Random(seed);
-    let text = component(&mut random);
+    let text = describe(&mut random);
     let plan = plan(&text);
     let slots = 1 + random.below(4);
     let commands = random.below(50);
@@ -71,6 +80,7 @@ pub(crate) fn play(seed: u64) -> Played {
     let mut options = Options::new("demo", Arc::new(Nobody));
     options.clock = Clock::Virtual(Arc::clone(&clock));
     options.activity_limit = slots;
+    set(&plan, &mut options);
     let seen = |what: Seen| script.lock().unwrap().log.push(what);
     let mut hangs = None;
     if let Ok(instance) = Instance::start(Arc::clone(&plan), Arc::new(body), options) {

@@ -2,6 +2,18 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+#[path = "../conformance/body.rs"]
+mod body;
+#[path = "../conformance/components.rs"]
+mod components;
+#[path = "../conformance/play.rs"]
+#[allow(dead_code, reason = "what is seen of the runs is looked at by others")]
+mod play;
+#[path = "../conformance/random.rs"]
+mod random;
+mod runtime;
+mod times;
+
 use std::sync::Arc;
 
 use genom_description::{Options, read_text};
@@ -31,6 +43,11 @@ const ARM: &str = "component arm {
 
 /// The verdict on a rule: the word, what happens, and the run.
 fn fires_in(text: &str, rule: Value) -> (String, Vec<String>) {
+    fires_with(text, rule, |_| {})
+}
+
+/// The same with other times of codels than those that are declared, or 1 ms.
+fn fires_with(text: &str, rule: Value, set: impl Fn(&mut Times)) -> (String, Vec<String>) {
     let analysis = read_text("arm.gen", text, &Options::default());
     assert!(!analysis.has_errors(), "{:#?}", analysis.diagnostics);
     let plan = Arc::new(Plan::new(&Arc::new(analysis.specification), 0).unwrap());
@@ -39,6 +56,7 @@ fn fires_in(text: &str, rule: Value) -> (String, Vec<String>) {
     let rules = genom_rules::rules(&request, plan.component()).unwrap();
     let mut times = Times::declared(plan.component());
     times.bound_others(1_000_000);
+    set(&mut times);
     let limits = Limits { time: std::time::Duration::MAX, ..Limits::default() };
     let bounds = Bounds { instances: 1, kill: false, ..Bounds::default() };
     let fires = System::new(&plan, bounds).fires(&rules[0].rule, Ok(&times), &limits);
@@ -56,7 +74,7 @@ fn fires_in(text: &str, rule: Value) -> (String, Vec<String>) {
 #[track_caller]
 fn check(rule: Value, told: &str) -> Vec<String> {
     let (verdict, run) = fires_in(ARM, rule);
-    assert_eq!(verdict, told);
+    assert_eq!(verdict, told, "{run:#?}");
     run
 }
 
@@ -122,8 +140,6 @@ fn deadlines_of_codels_and_cycles_are_decided_by_times() {
     let (verdict, run) = fires_in(ARM, json!({"task": "slow", "missed": 1}));
     assert_eq!(verdict, "can: slow is still at work at its tick");
     assert!(!run.is_empty());
-    let (verdict, _) = fires_in(ARM, json!({"task": "slow", "missed": 3}));
-    assert!(verdict.starts_with("undecided: one tick can be missed"), "{verdict}");
 }
 
 #[test]
@@ -184,9 +200,6 @@ fn what_is_not_explored_is_said_to_be_undecided() {
         (json!({"formula": "move -> not once[1s, 2s] clear"}), "more than one date counts"),
         (json!({"formula": "emergency -> once move"}), "event emergency was fired"),
         (json!({"formula": "move -> once t"}), "a cycle of task t began"),
-        (json!({"stuck": true}), "does not return"),
-        (json!({"activity": "goto", "longest_ms": 5}), "times of activities"),
-        (json!({"codel": "move", "every_ms": [8, 12]}), "between calls"),
     ] {
         let (verdict, _) = fires_in(ARM, rule.clone());
         assert!(verdict.starts_with("undecided: ") && verdict.contains(why), "{rule}: {verdict}");
