@@ -1,11 +1,15 @@
 """A genuine ROS 2 node, controlled line by line.
 
 Each input line is a command, `["verb", arguments...]`; each output line is its result. A verb that
-creates an endpoint replies when ROS reports a matching endpoint, so that the test may rely on it.
+creates an endpoint replies when ROS reports a matching endpoint, so that the test may rely on it;
+what it serves, and latched writers, are there for those that come later. Between two commands the
+node answers requests.
 """
 
 import json
+import queue
 import sys
+import threading
 import time
 from array import array
 from collections import deque
@@ -14,13 +18,14 @@ from importlib import import_module
 import numpy
 import rclpy
 from action_msgs.msg import GoalStatus
-from rclpy.action import ActionClient
+from rclpy.action import ActionClient, ActionServer, CancelResponse
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import NodeNameNonExistentError
 from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
+from rclpy.task import Future
 
 # Only a failing test takes this long; its own watchdog waits longer.
 PATIENCE = 50.0
@@ -86,7 +91,7 @@ class Matched:
         self.count = status.current_count
 
 
-readers, writers, clients, actions, goals = {}, {}, {}, {}, {}
+readers, writers, clients, actions, goals, served = {}, {}, {}, {}, {}, {}
 
 
 def read(topic, kind, least=1, latched=False):
@@ -107,17 +112,27 @@ def sample(topic):
     return plain(readers[topic].popleft())
 
 
-def write(topic, kind):
+def write(topic, kind, latched=False):
+    """Replies when there is a subscription. With `latched`, at once: whoever comes gets the last."""
     matched = Matched()
     events = PublisherEventCallbacks(matched=matched)
-    writers[topic] = node.create_publisher(type_of(kind), topic, 10, event_callbacks=events)
-    until(f"a subscription of {topic}", lambda: matched.count)
+    quality = QoSProfile(depth=10)
+    if latched:
+        quality = QoSProfile(depth=1, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
+    writers[topic] = node.create_publisher(type_of(kind), topic, quality, event_callbacks=events)
+    until(f"a subscription of {topic}", lambda: latched or matched.count)
     return "matched"
 
 
 def put(topic, values):
     writers[topic].publish(fill(writers[topic].msg_type(), values))
     return "put"
+
+
+def close(topic):
+    """Ends what this node writes."""
+    node.destroy_publisher(writers.pop(topic))
+    return "closed"
 
 
 def nodes():
@@ -246,6 +261,62 @@ def result(action):
     return {"status": name.removeprefix("STATUS_"), "result": plain(ended.result)}
 
 
+def serve(service, kind, replies):
+    """Answers requests with these, one after the other, and then again with the last one."""
+    asked, replies = deque(), deque(replies)
+
+    def answer(request, response):
+        asked.append(plain(request))
+        return fill(response, replies.popleft() if len(replies) > 1 else replies[0])
+
+    served[service] = asked, node.create_service(type_of(kind), service, answer)
+    return "serves"
+
+
+def asked(service):
+    """The next request to a service, or goal of an action, that this node serves."""
+    until(f"a request to {service}", lambda: served[service][0])
+    return served[service][0].popleft()
+
+
+def serve_action(action, kind):
+    """Accepts each goal. It runs until `end`, whatever its client wants."""
+    asked, running = deque(), deque()
+
+    async def run(goal):
+        running.append((goal, Future()))
+        asked.append(plain(goal.request))
+        return await running[-1][1]
+
+    server = ActionServer(
+        node, type_of(kind), action, run, cancel_callback=lambda _: CancelResponse.ACCEPT
+    )
+    served[action] = asked, server, running
+    return "serves"
+
+
+def feed(action, values):
+    """Tells the client of the goal that runs something, as soon as it listens."""
+    goal, _ = served[action][2][0]
+    until(f"a reader of {action}", lambda: node.count_subscribers(f"{action}/_action/feedback"))
+    goal.publish_feedback(fill(served[action][1].action_type.Feedback(), values))
+    return "told"
+
+
+def to_cancel(action):
+    """Waits until the client of the goal that runs wants to cancel it."""
+    until(f"a wish to cancel {action}", lambda: served[action][2][0][0].is_cancel_requested)
+    return "to cancel"
+
+
+def end(action, how, values):
+    """Ends the goal that runs: `succeed`, `abort` or `canceled`."""
+    goal, ended = served[action][2].popleft()
+    getattr(goal, how)()
+    ended.set_result(fill(served[action][1].action_type.Result(), values))
+    return how
+
+
 VERBS = {
     "client": client,
     "call": call,
@@ -256,10 +327,17 @@ VERBS = {
     "status": status,
     "cancel": cancel,
     "result": result,
+    "serve": serve,
+    "asked": asked,
+    "serve action": serve_action,
+    "feed": feed,
+    "to cancel": to_cancel,
+    "end": end,
     "read": read,
     "sample": sample,
     "write": write,
     "put": put,
+    "close": close,
     "nodes": nodes,
     "no node": no_node,
     "service": service,
@@ -274,8 +352,25 @@ VERBS = {
     "list": names,
 }
 
+commands, bell = queue.SimpleQueue(), node.create_guard_condition(lambda: None)
+
+
+def listen():
+    """Hands over the commands, and `None` at their end."""
+    for line in sys.stdin:
+        commands.put(line)
+        bell.trigger()
+    commands.put(None)
+    bell.trigger()
+
+
+threading.Thread(target=listen, daemon=True).start()
 print(json.dumps("up"), flush=True)
-for line in sys.stdin:
+while True:
+    while commands.empty():
+        executor.spin_once()
+    if (line := commands.get()) is None:
+        break
     verb, *arguments = json.loads(line)
     print(json.dumps(VERBS[verb](*arguments)), flush=True)
 rclpy.shutdown()

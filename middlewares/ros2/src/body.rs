@@ -22,6 +22,7 @@ pub(crate) const INTERRUPTED: &str = "::genom::interrupted";
 /// `action_msgs/msg/GoalStatus`
 pub(crate) const SUCCEEDED: u8 = 4;
 pub(crate) const CANCELED: u8 = 5;
+pub(crate) const ABORTED: u8 = 6;
 
 /// Appends a string to a payload whose alignment starts at 0.
 pub(crate) fn put_string(out: &mut Vec<u8>, text: &str) {
@@ -201,7 +202,7 @@ impl<'a> Fields<'a> {
     /// Reads the outcome of a service; of an action if there is a `status`, its final one.
     pub(crate) fn outcome(&mut self, ty: &DataType, style: Style, status: Option<u8>) -> Outcome {
         match style {
-            Style::Genom => self.own_outcome(ty),
+            Style::Genom => self.own_outcome(ty, status),
             Style::Foreign(manner) => self.foreign_outcome(ty, manner, status),
         }
     }
@@ -240,7 +241,7 @@ impl<'a> Fields<'a> {
         }
     }
 
-    fn own_outcome(&mut self, ty: &DataType) -> Outcome {
+    fn own_outcome(&mut self, ty: &DataType, status: Option<u8>) -> Outcome {
         let lost = |why: &str| Outcome::Lost(CallError::Serialization(why.to_owned()));
         let (Some(name), Some(detail)) = (self.string(), self.string()) else {
             return lost("exception and detail are missing");
@@ -250,6 +251,8 @@ impl<'a> Fields<'a> {
             text => serde_json::from_str(text),
         };
         match (name, json()) {
+            // A node of ROS that gives up need not know of exceptions.
+            ("", _) if status == Some(ABORTED) => failure(""),
             ("", _) => match self.record(ty) {
                 Ok(output) => Outcome::Success(output),
                 Err(error) => lost(&error.to_string()),

@@ -9,7 +9,7 @@ use genom_middleware::{
     ActivityId, CallError, Outcome, Replies, Served, ServiceHandler, ServiceType,
 };
 
-use crate::body::{self, CANCELED, Fields, GoalId, INTERRUPTED, SUCCEEDED, Style};
+use crate::body::{self, ABORTED, CANCELED, Fields, GoalId, INTERRUPTED, SUCCEEDED, Style};
 use crate::lock::lock;
 use crate::nodes::Part;
 use crate::rmw::{Claim, Gid, Reply, Rmw, ServerEnd, TopicWriter};
@@ -21,7 +21,6 @@ const REMEMBERED: usize = 64;
 const ACCEPTED: u8 = 1;
 const EXECUTING: u8 = 2;
 const CANCELING: u8 = 3;
-const ABORTED: u8 = 6;
 
 /// The services of an action.
 pub(crate) struct Ends {

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "test code, also outside of test functions")]
 
+mod served;
 mod world;
 
 use std::sync::{Arc, Mutex};
@@ -16,6 +17,9 @@ use genom_ros2::{Options, Ros2, ServiceMapping};
 use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeId, TypeTable};
 use serde_json::{Value, json};
 use world::Domain;
+
+/// Only a failing test waits this long.
+const PATIENCE: Duration = Duration::from_secs(60);
 
 fn peer(domain: &Domain) -> Peer {
     let node = genom_components::ros2::node(domain.number().into(), None);
@@ -227,7 +231,7 @@ fn daemons_call_each_other_under_these_names_too() {
 }
 
 fn call(client: &mut dyn Client, input: &Record) -> Outcome {
-    client.call(input, Duration::from_secs(60)).unwrap()
+    client.call(input, PATIENCE).unwrap()
 }
 
 #[test]

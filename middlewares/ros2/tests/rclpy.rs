@@ -5,19 +5,19 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "test code, also outside of test functions")]
 
+mod frames;
+mod parameters;
 mod world;
 
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use genom_components::peer::Peer;
 use genom_conformance::eventually;
-use genom_middleware::{
-    ActivityId, Address, Discovery, EndpointKind, Middleware, Outcome, Policy, PortSpec, Ports,
-    Reading, Replies, Served, ServiceHandler, ServiceKind, ServiceType, Services,
-};
+use genom_middleware::{Address, Discovery, EndpointKind, Policy, PortSpec, Ports, Reading};
 use genom_ros2::{Options, Ros2, ServiceMapping};
 use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeTable};
-use serde_json::{Map, Value, json};
+use parameters::{Attribute, Ids};
+use serde_json::{Value, json};
 use world::Domain;
 
 /// A ROS node named `peer`.
@@ -131,255 +131,61 @@ fn a_port_reads_what_a_ros_node_writes() {
         assert_eq!(got.to_json(), nth_pose(f64::from(n)));
     }
     assert_eq!(reader.dropped(), 0);
-    let listed = ros2.discover().unwrap();
-    let listed = listed.iter().any(|end| {
-        end.kind == EndpointKind::Publisher
-            && (end.address.as_str(), end.ty.as_str())
-                == ("robot/goal_pose", "geometry_msgs/msg/Pose")
-    });
-    assert!(listed, "the node's topic is listed");
-}
-
-/// Makes the type of a member.
-type Make = fn(&mut TypeTable) -> Kind;
-
-/// A struct of the service with these members.
-fn structure(service: &str, part: &str, members: &[(&str, Make)]) -> DataType {
-    let mut table = TypeTable::default();
-    let members = members.iter().map(|(name, kind)| {
-        let kind = kind(&mut table);
-        let ty = table.add(kind);
-        Member { name: (*name).to_owned(), ty }
-    });
-    let members = members.collect();
-    let name = ScopedName::new(["demo", service, part]);
-    let id = table.add(Kind::Struct { name, members });
-    DataType::new(&Arc::new(table), id).unwrap()
-}
-
-/// The data of a component, by name.
-type Ids = Arc<Mutex<Map<String, Value>>>;
-
-/// An attribute with one member, which refuses 13.
-struct Attribute {
-    ids: Ids,
-    ty: ServiceType,
-}
-
-impl Attribute {
-    fn serve(ros2: &Ros2, ids: &Ids, member: &str, kind: Make) -> [Box<dyn Served>; 2] {
-        let value = [(member, kind)];
-        ["get", "set"].map(|verb| {
-            let name = format!("{verb}_{member}");
-            let (input, output): (&[_], &[_]) =
-                if verb == "get" { (&[], &value) } else { (&value, &[]) };
-            let ty = ServiceType::new(
-                ServiceKind::Attribute,
-                structure(&name, "input", input),
-                structure(&name, "output", output),
-            );
-            let handler = Arc::new(Self { ids: Arc::clone(ids), ty: ty.clone() });
-            ros2.serve(&Address::new("robot", name), &ty, handler).unwrap()
+    let listed = || {
+        ros2.discover().unwrap().iter().any(|end| {
+            end.kind == EndpointKind::Publisher
+                && (end.address.as_str(), end.ty.as_str())
+                    == ("robot/goal_pose", "geometry_msgs/msg/Pose")
         })
+    };
+    assert!(listed(), "the node's topic is listed");
+    peer.ask(&json!(["close", "/robot/goal_pose"]));
+    eventually("it is gone from the list when it is closed", || !listed());
+}
+
+/// Participants of Fast DDS with this file count as gone after a second, not after 20.
+const SHORT_LEASE: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<profiles xmlns="http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles">
+  <participant profile_name="short" is_default_profile="true"><rtps><builtin><discovery_config>
+    <leaseDuration><sec>1</sec></leaseDuration>
+    <leaseAnnouncement><nanosec>200000000</nanosec></leaseAnnouncement>
+  </discovery_config></builtin></rtps></participant>
+</profiles>"#;
+
+#[test]
+fn what_a_killed_ros_node_wrote_is_gone_from_the_list_when_its_lease_is_over() {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let ros2 = with_poses(&domain);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("short.xml");
+    std::fs::write(&file, SHORT_LEASE).unwrap();
+    let mut node = genom_components::ros2::node(domain.number().into(), None).unwrap();
+    let mut peer = Peer::start(node.env("FASTRTPS_DEFAULT_PROFILES_FILE", file));
+    peer.ask(&json!(["write", "/robot/pose", "geometry_msgs/msg/Pose", true]));
+    let listed = || ros2.discover().unwrap().iter().any(|end| end.address.as_str() == "robot/pose");
+    eventually("the node's topic is listed", listed);
+    // Killed.
+    drop(peer);
+    eventually("it is gone", || !listed());
+}
+
+#[test]
+fn a_port_that_comes_late_gets_what_a_latched_writer_of_a_ros_node_wrote_last() {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let mut peer = peer(&domain);
+    peer.ask(&json!(["write", "/robot/map_pose", "geometry_msgs/msg/Pose", true]));
+    for n in 1..4 {
+        peer.ask(&json!(["put", "/robot/map_pose", nth_pose(f64::from(n))]));
     }
-}
-
-impl ServiceHandler for Attribute {
-    fn request(&self, input: Record, replies: Box<dyn Replies>) {
-        let mut ids = self.ids.lock().unwrap();
-        for (name, value) in input.to_json().as_object().into_iter().flatten() {
-            if *value == json!(13) {
-                let (name, detail) = ("::demo::UNLUCKY".to_owned(), json!({"value": 13}));
-                return replies.finish(Outcome::Exception { name, detail });
-            }
-            ids.insert(name.clone(), value.clone());
-        }
-        let mut output = Record::new(&self.ty.output);
-        if let Some(name) = self.ty.output.member_name(0) {
-            output.merge_json(&json!({name: ids[name]})).unwrap();
-        }
-        replies.finish(Outcome::Success(output));
-    }
-
-    fn cancel(&self, _: ActivityId) {}
-}
-
-#[test]
-fn a_ros_node_gets_and_sets_attributes_as_parameters() {
-    let domain = Domain::new(ServiceMapping::Enhanced);
-    let ros2 = domain.open();
-    let ids = json!({"on": true, "count": -3, "gain": 0.25, "name": "élan", "row": [1, 2]});
-    let ids: Ids = Arc::new(Mutex::new(ids.as_object().unwrap().clone()));
-    let kinds: [(&str, Make); 5] = [
-        ("on", |_| Kind::Boolean),
-        ("count", |_| Kind::Short),
-        ("gain", |_| Kind::Double),
-        ("name", |_| Kind::String { bound: Some(9) }),
-        ("row", |table| Kind::Sequence { element: table.add(Kind::Long), bound: None }),
-    ];
-    let serve = |&(name, kind): &(&str, Make)| Attribute::serve(&ros2, &ids, name, kind);
-    let mut served: Vec<_> = kinds.iter().flat_map(serve).collect();
-    let mut peer = peer(&domain);
-    peer.ask(&json!(["parameters", "robot"]));
-    let names = json!(["on", "count", "gain", "name", "row", "gian"]);
-    assert_eq!(
-        peer.ask(&json!(["list", "robot"])),
-        json!({"names": ["count", "gain", "name", "on", "row", "use_sim_time"], "prefixes": []})
-    );
-    assert_eq!(
-        peer.ask(&json!(["get", "robot", names])),
-        json!([true, -3, 0.25, "élan", [1, 2], null])
-    );
-    assert_eq!(
-        peer.ask(&json!(["types", "robot", names])),
-        json!(["BOOL", "INTEGER", "DOUBLE", "STRING", "INTEGER_ARRAY", "NOT_SET"])
-    );
-    // Set one after the other: a refused one does not affect the rest.
-    let wanted = json!([
-        ["on", false],
-        ["count", 70000],
-        ["gain", 2],
-        ["gain", 1.5],
-        ["name", "too long a name"],
-        ["row", [3, 4, 5]],
-        ["gian", 1.0],
-        ["count", 13],
-        ["count", 12],
-    ]);
-    let results = peer.ask(&json!(["set", "robot", wanted]));
-    let reasons: Vec<_> = results
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|result| match result["successful"] == json!(true) {
-            true => "",
-            false => result["reason"].as_str().unwrap(),
-        })
-        .collect();
-    assert_eq!(
-        reasons,
-        [
-            "",
-            "count: 70000 is out of range for short, which goes from -32768 to 32767",
-            "it is of type double, not integer",
-            "",
-            "name: 15 bytes are too many for string<9>, which takes at most 8",
-            "",
-            "there is no parameter `gian`",
-            "::demo::UNLUCKY {\"value\":13}",
-            "",
-        ]
-    );
-    assert_eq!(
-        Value::Object(ids.lock().unwrap().clone()),
-        json!({"on": false, "count": 12, "gain": 1.5, "name": "élan", "row": [3, 4, 5]})
-    );
-    let atomically = |values: Value| json!(["set", "robot", values, true]);
-    assert_eq!(peer.ask(&atomically(json!([["gain", -1.0]])))["successful"], json!(true));
-    assert_eq!(ids.lock().unwrap()["gain"], json!(-1.0));
-    let refused = peer.ask(&atomically(json!([["gain", 0.0], ["count", 0]])));
-    assert_eq!(refused["reason"], "attributes are set one by one: use set_parameters");
-    assert_eq!(ids.lock().unwrap()["gain"], json!(-1.0));
-
-    // Without its setter a parameter is read-only.
-    drop(served.remove(3));
-    let described = peer.ask(&json!(["describe", "robot", ["count", "name", "gian"]]));
-    assert_eq!(
-        described[0],
-        json!({
-            "name": "count",
-            "type": 2,
-            "description": "read by attribute get_count",
-            "additional_constraints": "",
-            "read_only": true,
-            "dynamic_typing": false,
-            "floating_point_range": [],
-            "integer_range": [{"from_value": -32768, "to_value": 32767, "step": 1}],
-        })
-    );
-    let name = &described[1];
-    assert_eq!(name["description"], "read by attribute get_name, set by attribute set_name");
-    assert_eq!(name["additional_constraints"], "at most 8 bytes");
-    assert_eq!((&name["type"], &name["read_only"]), (&json!(4), &json!(false)));
-    assert_eq!(described[2]["name"], "");
-    let results = peer.ask(&json!(["set", "robot", [["count", 1]]]));
-    assert_eq!(results, json!([{"successful": false, "reason": "`count` can only be read"}]));
-    let types = peer.ask(&json!(["service", "/robot/get_parameters", "robot", "/"]));
-    assert_eq!(types, json!(["rcl_interfaces/srv/GetParameters"]));
-
-    // The services, and the node, are removed with the last attribute.
-    served.clear();
-    peer.ask(&json!(["no node", "robot", "/"]));
-}
-
-#[test]
-fn a_component_that_serves_a_name_of_ros_itself_has_no_parameters() {
-    let domain = Domain::new(ServiceMapping::Enhanced);
-    let ros2 = domain.open();
-    let ids = Ids::default();
-    let kind: Make = |_| Kind::Double;
-    let _gain = Attribute::serve(&ros2, &ids, "gain", kind);
-    let mut peer = peer(&domain);
-    peer.ask(&json!(["service", "/robot/list_parameters", "robot", "/"]));
-    let _clash = Attribute::serve(&ros2, &ids, "parameters", kind);
-    peer.ask(&json!(["no service", "/robot/list_parameters", "robot", "/"]));
-}
-
-/// What `ros2 param dump` writes of a node: all that it lists.
-fn dumped(peer: &mut Peer, node: &str) -> Value {
-    let names = peer.ask(&json!(["list", node]))["names"].clone();
-    let values = peer.ask(&json!(["get", node, names]));
-    json!([names, values])
-}
-
-#[test]
-fn every_node_says_in_use_sim_time_whether_its_time_is_that_of_a_simulator() {
-    let domain = Domain::new(ServiceMapping::Enhanced);
-    let mut peer = peer(&domain);
-    for (node, simulated) in [("own", false), ("simulated", true)] {
-        let ros2 = domain.open();
-        if simulated {
-            ros2.simulated_time();
-        }
-        // A port makes a node, as an attribute does.
-        let _writer = ros2.publisher(&PortSpec::new(&Address::new(node, "pose"), &pose())).unwrap();
-        peer.ask(&json!(["parameters", node]));
-        assert_eq!(dumped(&mut peer, node), json!([["use_sim_time"], [simulated]]));
-        assert_eq!(peer.ask(&json!(["types", node, ["use_sim_time"]])), json!(["BOOL"]));
-        let described = &peer.ask(&json!(["describe", node, ["use_sim_time"]]))[0];
-        assert_eq!(
-            (&described["name"], &described["type"], &described["read_only"]),
-            (&json!("use_sim_time"), &json!(1), &json!(true))
-        );
-        let wanted =
-            json!([["use_sim_time", simulated], ["use_sim_time", !simulated], ["use_sim_time", 1]]);
-        let results = peer.ask(&json!(["set", node, wanted]));
-        assert_eq!(results[0], json!({"successful": true, "reason": ""}));
-        let why = results[1]["reason"].as_str().unwrap();
-        let clock = if simulated { "--clock monotonic" } else { "--clock ros" };
-        assert!(why.contains("that of the daemon") && why.contains(clock), "{why}");
-        assert_eq!(results[2]["reason"], "it is of type bool, not integer");
-        assert_eq!(dumped(&mut peer, node), json!([["use_sim_time"], [simulated]]));
-    }
-}
-
-#[test]
-fn a_parameter_use_sim_time_that_a_component_has_itself_is_shown_instead() {
-    let domain = Domain::new(ServiceMapping::Enhanced);
-    let ros2 = domain.open();
-    let ids: Ids = Arc::new(Mutex::new(Map::from_iter([("use_sim_time".into(), json!(true))])));
-    let served = Attribute::serve(&ros2, &ids, "use_sim_time", |_| Kind::Boolean);
-    let mut peer = peer(&domain);
-    peer.ask(&json!(["parameters", "robot"]));
-    assert_eq!(dumped(&mut peer, "robot"), json!([["use_sim_time"], [true]]));
-    let results = peer.ask(&json!(["set", "robot", [["use_sim_time", false]]]));
-    assert_eq!(results[0]["successful"], true);
-    assert_eq!(ids.lock().unwrap()["use_sim_time"], json!(false));
-    // Where something else of the component remains, so does the node, with the clock that it has.
-    let _writer = ros2.publisher(&PortSpec::new(&Address::new("robot", "pose"), &pose())).unwrap();
-    drop(served);
-    let described = peer.ask(&json!(["describe", "robot", ["use_sim_time"]]));
-    assert_eq!(described[0]["description"], "whether components live in the time of /clock");
+    let ros2 = with_poses(&domain);
+    let at = Address::new("robot", "map_pose");
+    let mut reader = ros2.subscription(&PortSpec::new(&at, &pose()), Policy::Queue(8)).unwrap();
+    let mut got = Record::new(&pose());
+    eventually("the last pose arrives", || reader.read(&mut got).unwrap() == Reading::New);
+    assert_eq!(got.to_json(), nth_pose(3.0), "nothing before it");
+    peer.ask(&json!(["put", "/robot/map_pose", nth_pose(4.0)]));
+    eventually("the next one arrives", || reader.read(&mut got).unwrap() == Reading::New);
+    assert_eq!((got.to_json(), reader.dropped()), (nth_pose(4.0), 0));
 }
 
 const DESCRIBE: &str = "type_description_interfaces/srv/GetTypeDescription";

@@ -8,6 +8,7 @@
     reason = "test code, also outside of test functions"
 )]
 
+mod actions;
 mod buffers;
 mod own_services;
 mod told;
@@ -37,7 +38,6 @@ const FLOAT_HASH: &str = "RIHS01_705ba9c3d1a09df43737eb67095534de36fd426c0587779
 const TRIGGER: &str = "std_srvs::srv::dds_::Trigger_";
 const TRIGGER_HASH: &str =
     "RIHS01_eeff2cd6fa5ad9d27cdf4dec64818317839b62f212a91e6b5304b634b2062c5f";
-const FIBONACCI: &str = "test_msgs::action::dds_::Fibonacci_";
 
 /// Starts a node; with `router`, it is the router as well.
 fn node(place: &Place, router: bool) -> Peer {
@@ -145,6 +145,11 @@ fn a_port_reads_what_a_node_writes_and_counts_what_was_lost() {
     node.ask(&json!(["plain", "/demo/speed", FLOAT, FLOAT_HASH, float(10.0)]));
     eventually("the sample arrives", || reader.read(&mut got).unwrap() == Reading::New);
     assert_eq!((read_of(&got), reader.dropped()), (10.0, 3));
+    // Killed.
+    drop(node);
+    eventually("it is gone from the list", || {
+        !ros2.discover().unwrap().iter().any(|end| end.kind == EndpointKind::Publisher)
+    });
 }
 
 #[test]
@@ -286,83 +291,6 @@ fn a_service_of_a_node_is_called_and_one_of_another_hash_is_refused_with_both_na
     assert!(matches!(outcome, Err(CallError::Nobody { .. })), "{outcome:?}");
 }
 
-/// Counts up to its input, at once.
-struct Counter;
-
-impl ServiceHandler for Counter {
-    fn request(&self, input: Record, mut replies: Box<dyn Replies>) {
-        let most = input.to_json()["most"].as_i64().unwrap();
-        replies.accepted(ActivityId(1));
-        let numbers: Vec<_> = (0..most).collect();
-        let output = record(&count().output, &json!({ "numbers": numbers }));
-        replies.finish(Outcome::Success(output));
-    }
-
-    fn cancel(&self, _: ActivityId) {}
-}
-
-#[test]
-fn a_node_has_an_action_run_by_the_services_and_topics_that_it_is_made_of() {
-    let place = Place::new();
-    let ros2 = masquerading(&place);
-    let _served = ros2.serve(&Address::new("demo", "count"), &count(), Arc::new(Counter)).unwrap();
-    let mut node = node(&place, false);
-    let of = |part: &str| FIBONACCI.replace("Fibonacci_", &format!("Fibonacci_{part}_"));
-    let path = |part: &str| format!("/demo/count/_action/{part}");
-    let parts = [
-        (
-            "send_goal",
-            of("SendGoal"),
-            "d807633803e38e164276573cd97e9fbd71e109c290bbf4cc312a0a1c9da7bbd9",
-        ),
-        (
-            "get_result",
-            of("GetResult"),
-            "5d30fdeb21d20e117aa5f36c7b4f0b6874f1a8cf7a9c038d58f1156c5737b209",
-        ),
-        (
-            "cancel_goal",
-            "action_msgs::srv::dds_::CancelGoal_".to_owned(),
-            "573d8b0a534451d7bc2ac8c5ffde8ac14b8593b7001175d0cd6516dcbeb8689a",
-        ),
-    ];
-    for (part, ty, hash) in &parts {
-        node.ask(&json!(["client", path(part), ty, format!("RIHS01_{hash}")]));
-    }
-    for (part, ty, hash) in [
-        (
-            "feedback",
-            of("FeedbackMessage"),
-            "37487bae8cea358366b97003c1ef1ca7ce7c08df36f9e8cca496624226aee64e",
-        ),
-        (
-            "status",
-            "action_msgs::msg::dds_::GoalStatusArray_".to_owned(),
-            "6c1684b00f177d37438febe6e709fc4e2b0d4248dca4854946f9ed8b30cda83e",
-        ),
-    ] {
-        let name = path(part).replace('/', "%");
-        let ends = node.ask(&json!(["there", format!("/MP/%/%/demo/{name}/{ty}/RIHS01_{hash}/")]));
-        assert_eq!(ends.as_object().unwrap().len(), 1);
-    }
-    let id = "0102030405060708090a0b0c0d0e0f10";
-    let goal = format!("00010000{id}04000000");
-    let accepted = node.ask(&json!(["call", path("send_goal"), goal]));
-    assert!(accepted["body"].as_str().unwrap().starts_with("0001000001"), "{accepted}");
-    assert_eq!(accepted["ours"], true);
-    let result = node.ask(&json!(["call", path("get_result"), format!("00010000{id}")]));
-    // Status 4, succeeded; then four numbers.
-    let body = "00010000040000000400000000000000010000000200000003000000";
-    assert_eq!(result["body"], body, "{result}");
-    // A reader that comes late gets the status of the goals.
-    let ty = "action_msgs::msg::dds_::GoalStatusArray_";
-    let hash = "RIHS01_6c1684b00f177d37438febe6e709fc4e2b0d4248dca4854946f9ed8b30cda83e";
-    node.ask(&json!(["read", path("status"), ty, hash, true]));
-    let status = node.ask(&json!(["sample", path("status")]));
-    let body = status["body"].as_str().unwrap();
-    assert!(body.starts_with(&format!("0001000001000000{id}")) && body.ends_with("04"), "{body}");
-}
-
 #[test]
 fn a_node_and_its_topic_have_the_names_that_were_given_to_them_until_these_are_taken_back() {
     let place = Place::new();
@@ -380,6 +308,37 @@ fn a_node_and_its_topic_have_the_names_that_were_given_to_them_until_these_are_t
     let _writer = ros2.publisher(&PortSpec::new(&speed(), &double())).unwrap();
     node.ask(&json!(["there", "/MP/%/%/demo/%demo%speed/"]));
     assert!(ros2.masquerade("demo", "/2").is_err());
+}
+
+#[test]
+fn ends_whose_type_has_another_hash_are_told_of_with_both_hashes() {
+    let place = Place::new();
+    let ros2 = place.open();
+    let height = Address::new("demo", "height");
+    let _writer = ros2.publisher(&PortSpec::new(&speed(), &double())).unwrap();
+    let _reader = ros2.subscription(&PortSpec::new(&height, &double()), Policy::Latest).unwrap();
+    let mut node = node(&place, false);
+    let other = FLOAT_HASH.replace('7', "8");
+    node.ask(&json!(["read", "/demo/speed", FLOAT, other, false]));
+    node.ask(&json!(["write", "/demo/height", FLOAT, other, false]));
+    for (at, end) in [(speed(), "reader"), (height, "writer")] {
+        let mut told = Vec::new();
+        eventually("it is told", || {
+            told = ros2.obstacles(&at);
+            !told.is_empty()
+        });
+        let what = format!(
+            "a {end} of {at} on ros2 means another structure by std_msgs/msg/Float64: {other}, \
+             and the port {FLOAT_HASH}"
+        );
+        assert_eq!(told.iter().map(|one| &one.what).collect::<Vec<_>>(), [&what]);
+    }
+    // Those of the same hash are in nobody's way.
+    node.ask(&json!(["read", "/demo/depth", FLOAT, FLOAT_HASH, false]));
+    let depth = Address::new("demo", "depth");
+    let _writer = ros2.publisher(&PortSpec::new(&depth, &double())).unwrap();
+    node.ask(&json!(["there", "/MP/%/%/demo/%demo%depth/"]));
+    assert_eq!(ros2.obstacles(&depth), []);
 }
 
 /// Environment variable with the router of the process that is killed.
@@ -407,6 +366,8 @@ fn a_killed_daemon_is_gone_from_the_lists_of_nodes_and_its_address_is_free() {
         ros2.subscription(&PortSpec::new(&speed(), &double()), Policy::Latest).unwrap();
     let mut writer = genom_conformance::again("writes_until_it_is_killed")
         .env(ROUTER, place.router())
+        // Much longer than anything here waits: its connection tells of its end.
+        .env("ZENOH_CONFIG_OVERRIDE", "transport/link/tx/lease=3600000")
         .stdin(Stdio::piped())
         .spawn()
         .unwrap();
