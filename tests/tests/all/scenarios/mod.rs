@@ -33,8 +33,11 @@ impl Place {
         let made = component(of);
         let directory = self.path("lib");
         fs::create_dir_all(&directory).unwrap();
-        for (from, ending) in [(made.library, "so"), (made.description, "gen")] {
-            std::os::unix::fs::symlink(from, directory.join(format!("{name}.{ending}"))).unwrap();
+        // A library, or a script, by its extension.
+        for from in [made.library, made.description] {
+            let extension = from.extension().unwrap().to_owned();
+            let to = directory.join(name).with_extension(extension);
+            std::os::unix::fs::symlink(from, to).unwrap();
         }
     }
 
