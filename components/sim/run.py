@@ -3,6 +3,7 @@ directory of genomd's sources, with the package genom. docs/simulators.md tells 
 """
 
 import argparse
+import contextlib
 
 import genom
 from film import Film
@@ -36,9 +37,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Moves the simulated arm through three postures.")
     parser.add_argument("--config", default="configs/sim-arm.toml", help="the deployment")
     parser.add_argument("--film", metavar="FILE.png", help="write what the camera sees")
+    parser.add_argument("--record", metavar="FILE.mcap", help="record all ports and calls")
     options = parser.parse_args()
-    with genom.Daemon(config=options.config) as d:
+    with genom.Daemon(config=options.config) as d, contextlib.ExitStack() as ends:
         d.deployed()
+        recorder = None
+        if options.record:
+            recorder = ends.enter_context(d.record(options.record, force=True))
         planner, joints = d.component("planner"), d.port("sim/joints")
         hand = d.port("sim/sensors")
         camera = Camera(d, "front") if options.film else None
@@ -58,6 +63,8 @@ def main() -> None:
                 )
         if camera:
             camera.save(options.film)
+        if recorder:
+            print(recorder.close(), end="")
         print(f"{d.real_time_factor:.1f} seconds of the arm in a second of the machine")
 
 

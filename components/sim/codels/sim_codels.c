@@ -155,7 +155,7 @@ tell(const sim_world *world, const sim_joints *joints, const sim_base *base,
   const mjData *data = world->data;
   const uint64_t date = world->periods * (uint64_t)(SIM_PERIOD * 1e9);
   robot_joints *now = joints->data(self);
-  sim_measured *seen = sensors->data(self);
+  robot_measured *seen = sensors->data(self);
   genom_event e;
   int i;
 

@@ -72,10 +72,36 @@ with open(sys.argv[1], "rb") as stream:
     topics["metadata"] = {one.name: one.metadata for one in reader.iter_metadata()}
 print(json.dumps(topics))
 "#;
+    by_others(SCRIPT, file)
+}
+
+/// What is in the file to the byte: for each topic, its schema and a list of
+/// `[date, date of publication, number, bytes of the message]`.
+pub(crate) fn raw(file: &Path) -> Value {
+    const SCRIPT: &str = r#"
+import json, sys
+from mcap.reader import make_reader
+
+topics = {}
+with open(sys.argv[1], "rb") as stream:
+    for schema, channel, message in make_reader(stream, validate_crcs=True).iter_messages():
+        head = [channel.message_encoding, schema.name, schema.encoding, schema.data.hex()]
+        topic = topics.setdefault(channel.topic, {"head": head, "messages": []})
+        assert topic["head"] == head, channel.topic
+        topic["messages"].append(
+            [message.log_time, message.publish_time, message.sequence, message.data.hex()]
+        )
+print(json.dumps(topics))
+"#;
+    by_others(SCRIPT, file)
+}
+
+/// What a script says of a file, which uses the Python packages for MCAP.
+fn by_others(script: &str, file: &Path) -> Value {
     let packages = ["mcap==1.3.1", "mcap-ros2-support==0.5.7"];
     let python = python::environment(&packages).unwrap_or_else(|error| panic!("{error}"));
     let mut command = Command::new(python);
-    command.args(["-c", SCRIPT]).arg(file);
+    command.args(["-c", script]).arg(file);
     let finished = Running::start(&mut command).finish();
     finished.expect_code(0);
     serde_json::from_str(&finished.out).expect("JSON")
