@@ -1,7 +1,7 @@
 //! The rules of the model are those of the runtime: random runs of it, with random components, are
 //! accepted step by step, and refused as soon as one rule of the model is changed.
 //!
-//! `cargo bench --workspace --bench conformance -- 10000` does the same with more runs.
+//! `cargo bench --workspace --bench conformance -- 10000` does the same, and counts what was seen.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
@@ -12,21 +12,42 @@ mod exclusion;
 mod play;
 mod random;
 
+use std::num::NonZeroUsize;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
+
 use accept::accept;
 use genom_formal::Variant;
 use play::play;
 
-/// Runs of these tests.
-const RUNS: u64 = 300;
+/// Runs that have to be accepted, by as many threads as there are processors.
+const RUNS: u64 = 600;
+/// Runs of which a model with a changed rule has to refuse one.
+const FEW: u64 = 300;
 
 #[test]
 fn random_runs_of_the_runtime_are_accepted_step_by_step() {
-    for seed in 0..RUNS {
-        let played = play(seed);
-        if let Err(refused) = accept(&played.system(None), &played.log) {
-            let seen = &played.log[..=refused.0];
-            panic!("seed {seed}: the last is refused\n{}\n{}", played.text, lines(seen));
+    let (next, threads) = (AtomicU64::new(0), thread::available_parallelism());
+    thread::scope(|scope| {
+        for _ in 0..threads.map_or(1, NonZeroUsize::get) {
+            scope.spawn(|| {
+                loop {
+                    let seed = next.fetch_add(1, Ordering::Relaxed);
+                    if seed >= RUNS {
+                        break;
+                    }
+                    is_accepted(seed);
+                }
+            });
         }
+    });
+}
+
+fn is_accepted(seed: u64) {
+    let played = play(seed);
+    if let Err(refused) = accept(&played.system(None), &played.log) {
+        let seen = &played.log[..=refused.0];
+        panic!("seed {seed}: the last is refused\n{}\n{}", played.text, lines(seen));
     }
 }
 
@@ -36,7 +57,7 @@ fn lines(seen: &[body::Seen]) -> String {
 
 /// Whether a system with a changed rule refuses one of the runs.
 fn refuses(variant: Variant) -> bool {
-    (0..RUNS).any(|seed| {
+    (0..FEW).any(|seed| {
         let played = play(seed);
         accept(&played.system(Some(variant)), &played.log).is_err()
     })
