@@ -135,10 +135,10 @@ pub unsafe extern "C" fn genom_run(
 /// `answer` was passed to the load that has not returned yet; `text` has `size` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn genom_answer(answer: *mut Answer, text: *const u8, size: usize) {
-    // SAFETY: the caller's promise.
-    unsafe { (*answer).0 = std::slice::from_raw_parts(text, size).to_vec() };
     // So much of one that is too large shows that it is.
     let size = size.min(LARGEST + 1);
+    // SAFETY: the caller's promise.
+    unsafe { (*answer).0 = std::slice::from_raw_parts(text, size).to_vec() };
 }
 
 /// Writes an entry of the log: an error of a codel, with the lines where it happened.
