@@ -11,11 +11,10 @@ mod action;
 mod apart;
 mod bounds;
 mod codels;
-mod columns;
+mod duration;
 mod enabled;
 mod explore;
 mod export;
-mod found;
 mod hints;
 mod large;
 mod lock;
@@ -32,16 +31,15 @@ mod schedule;
 mod services;
 mod state;
 mod system;
-mod text;
 mod timed;
 mod variant;
 mod words;
 
 pub use action::{Action, Answer, End, Target, Told};
 pub use bounds::Bounds;
+pub use duration::duration;
 pub use explore::{Explored, Limit, Limits, Looked};
 pub use export::{ExportError, Format, fairness};
-pub use found::{Found, Ticks};
 pub use hints::{Hint, hints};
 pub use lock::{Conflicts, Lock};
 pub use ltl::{Formula, FormulaError};
@@ -54,7 +52,6 @@ pub use schedule::{
 };
 pub use state::{At, Life, Mode, Pc, Pending, Phase, Place, Run, State, Step, Task, Worker};
 pub use system::{Period, System};
-pub use text::text;
 pub use timed::{
     Dated, Duration, Longest, Overrun, Response, Seen, Spent, TaskReport, Timed, TimedReport, Times,
 };

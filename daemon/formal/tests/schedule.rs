@@ -64,21 +64,6 @@ fn what_would_have_to_be_shorter_is_told() {
     let found = schedule(DUO, &[], Processors::Own);
     let needed = [("fa".to_owned(), 2 * MS), ("sb".to_owned(), 7 * MS)];
     assert_eq!(one(&found, "fast").needed, needed);
-    assert_eq!(
-        found.text(),
-        "\
-task fast (10.000 ms): MAY BE AT WORK AT ITS NEXT TICK
-      3.000 ms  fa
-      8.000 ms    after sb of slow
-     11.000 ms  or more, and 10.000 ms are there
-  in time if fa takes less than 2.000 ms
-  in time if sb takes less than 7.000 ms
-task slow (40.000 ms): in time, at most 31.000 ms from a tick to its end
-      8.000 ms  sb
-      3.000 ms    after fa of fast
-     20.000 ms  sw
-"
-    );
 }
 
 #[test]
@@ -146,7 +131,7 @@ fn a_task_waits_for_the_first_cycle_of_another_one_if_that_is_not_over_by_the_fi
     let zones = system.check_times(&system.declared_times(), &limits);
     assert!(zones.tasks[0].is_late());
     let found = schedule(text, &[], Processors::Own);
-    assert!(one(&found, "fast").response.is_err(), "{}", found.text());
+    assert!(one(&found, "fast").response.is_err(), "{found:?}");
 }
 
 #[test]

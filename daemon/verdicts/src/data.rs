@@ -2,8 +2,10 @@
 
 use genom_description::model::Span;
 use genom_description::source::SourceMap;
-use genom_formal::{Dated, Finding, Found, Line, Longest, Response, TaskReport, Ticks, Verdict};
+use genom_formal::{Dated, Finding, Line, Longest, Response, TaskReport, Verdict};
 use serde_json::{Value, json};
+
+use crate::found::{Found, Ticks};
 
 pub(crate) fn data(found: &Found, sources: &SourceMap) -> Value {
     let verdicts = found.report.verdicts.iter();

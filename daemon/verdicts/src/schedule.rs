@@ -5,6 +5,7 @@ use genom_formal::{Cause, Change, OnMachine, Schedule, Scheduled};
 use serde_json::{Value, json};
 
 use crate::measured::Measured;
+use crate::sums;
 
 /// What was found of the components of one machine.
 #[derive(Debug)]
@@ -32,7 +33,7 @@ impl Told {
         let plural = if self.processors == 1 { "" } else { "s" };
         text.push_str(&format!("{} processor{plural}\n", self.processors));
         for one in &self.tasks {
-            text.push_str(&one.text());
+            text.push_str(&sums::placed(one));
         }
         for (name, why) in &self.left_out {
             text.push_str(&format!(
@@ -40,7 +41,7 @@ impl Told {
             ));
         }
         for change in &self.changes {
-            text.push_str(&format!("{}\n", change.text()));
+            text.push_str(&format!("{}\n", sums::change(change)));
         }
         text
     }
@@ -109,7 +110,7 @@ fn task(task: &Scheduled) -> Value {
         "task": task.name,
         "period_ns": task.period,
         "response_ns": task.response.as_ref().ok(),
-        "why": task.response.as_ref().err().map(Cause::text),
+        "why": task.response.as_ref().err().map(sums::cause),
         "work_ns": task.work,
         "called": called.collect::<Vec<_>>(),
         "preempted_by": pairs("task", "work_ns", &task.preempted_by),

@@ -1,13 +1,13 @@
 //! What was found of one component, for people and as JSON.
 
-use genom_formal::{
-    Bounds, Found, Limits, Property, System, Ticks, TimedReport, Times, Verdict, text,
-};
+use genom_formal::{Bounds, Limits, Property, System, TimedReport, Times, Verdict};
 use serde_json::{Value, json};
 
 use crate::data;
+use crate::found::{Found, Ticks};
 use crate::measured::Measured;
 use crate::subject::Subject;
+use crate::text::text;
 
 /// What is known of the times of a component.
 #[derive(Debug)]

@@ -6,10 +6,10 @@ use genom_runtime::{Beats, Happening};
 use super::clocked::{Led, Step, Watch};
 use super::fires::{Fires, undecided};
 use super::search::MOST_PORTS;
+use crate::duration::duration;
 use crate::explore::Limits;
 use crate::state::{Phase, State};
 use crate::system::System;
-use crate::text::duration;
 use crate::timed::Times;
 
 /// What is waited for, as the runtime does (`runtime/src/rules/beat.rs`).

@@ -1,9 +1,9 @@
 //! Cycles of a task, each from its own beginning.
 
 use crate::action::Action;
+use crate::duration::duration;
 use crate::state::{At, Phase, State};
 use crate::system::System;
-use crate::text::duration;
 
 use super::clocked::{Led, Step, Watch};
 

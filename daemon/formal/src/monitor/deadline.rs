@@ -9,9 +9,9 @@ use super::cycles::Cycles;
 use super::fires::{Fires, undecided};
 use super::search::Watched;
 use super::ticks::Ticks;
+use crate::duration::duration;
 use crate::explore::Limits;
 use crate::system::System;
-use crate::text::duration;
 use crate::timed::{TaskReport, Times};
 
 impl System {

@@ -7,10 +7,10 @@ use indexmap::IndexSet;
 use super::clocked::{Led, Step, Watch};
 use super::cycles::ends;
 use crate::action::Action;
+use crate::duration::duration;
 use crate::memory::{ENTRY, PIECE};
 use crate::state::{At, Phase, State, Task};
 use crate::system::System;
-use crate::text::duration;
 
 /// Missed ticks that may still count, with those of one cycle together. Each: ticks of the task since
 /// the last one that this cycle missed, and how many it missed.

@@ -10,10 +10,10 @@ use super::clocked::{Led, Step, Watch};
 use super::fires::{Fires, undecided};
 use crate::action::{Action, End, Told};
 use crate::codels::small;
+use crate::duration::duration;
 use crate::explore::Limits;
 use crate::state::State;
 use crate::system::System;
-use crate::text::duration;
 use crate::timed::{Follow, Over, Times, accepts, after_into, forget, number, over, running};
 
 /// Follows one activity of a service at a time, any of them.

@@ -15,7 +15,6 @@ mod machine;
 mod processors;
 mod report;
 mod startup;
-mod text;
 mod ways;
 mod window;
 

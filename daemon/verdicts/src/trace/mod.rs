@@ -3,8 +3,9 @@
 pub mod recording;
 pub mod scenario;
 
-use genom_formal::{Happening, TaskReport, Ticks};
+use genom_formal::{Happening, TaskReport};
 
+use crate::found::Ticks;
 use crate::told::Told;
 
 /// A run in which a task is at work at its tick.

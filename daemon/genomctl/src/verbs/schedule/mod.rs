@@ -4,7 +4,7 @@ mod args;
 mod machine;
 
 use genom_formal::{Bounds, Processors, System};
-use genom_verdicts::{Measured, schedule};
+use genom_verdicts::{Measured, schedule, sums};
 use serde_json::json;
 
 pub(crate) use self::args::Args;
@@ -51,7 +51,7 @@ pub(super) async fn run(args: &Args, session: &Session) -> Result<(), Failure> {
         if let Some(measured) = &known.measured {
             data["measured"] = measured.data();
         }
-        all.push((format!("{heading}{}", found.text()), data));
+        all.push((format!("{heading}{}", sums::text(&found)), data));
     }
     let (texts, data): (Vec<_>, Vec<_>) = all.into_iter().unzip();
     if session.json {

@@ -5,15 +5,14 @@ use std::fmt::Write as _;
 use genom_description::model::Span;
 use genom_description::source::SourceMap;
 
-use crate::bounds::Bounds;
+use genom_formal::{Bounds, Finding, Longest, Response, Spent, TaskReport, Verdict, duration};
+
 use crate::columns::columns;
 use crate::found::{Found, Ticks};
-use crate::property::{Finding, Verdict};
-use crate::timed::{Longest, Response, Spent, TaskReport};
 
 /// What was found, for people; with places in the description.
 #[must_use]
-pub fn text(found: &Found, sources: &SourceMap) -> String {
+pub(crate) fn text(found: &Found, sources: &SourceMap) -> String {
     let mut text = format!("component {}\n", found.system.plan().component().name);
     let report = &found.report;
     let properties = report.verdicts.iter().map(|(property, one)| (property.name().into(), one));
@@ -133,11 +132,6 @@ fn longest(longest: &Longest, never: &str, what: &str, after: &str) -> String {
         Longest::Unbounded(why) => format!("has no time in which it {what} {after}: {why}"),
         Longest::Undecided(why) => format!("when it {what} {after} is not decided: {why}"),
     }
-}
-
-/// A time in nanoseconds, in milliseconds.
-pub(crate) fn duration(ns: u64) -> String {
-    format!("{}.{:03} ms", ns / 1_000_000, ns / 1_000 % 1_000)
 }
 
 /// ` (demo.gen:12)`.

@@ -1,8 +1,6 @@
 //! What was found of one component.
 
-use crate::property::Report;
-use crate::system::System;
-use crate::timed::TimedReport;
+use genom_formal::{Report, System, TimedReport};
 
 /// What was found of one component.
 #[derive(Debug)]

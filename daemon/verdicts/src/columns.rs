@@ -4,9 +4,7 @@
 use std::fmt::Write as _;
 
 use genom_description::model::Span;
-
-use crate::text::duration;
-use crate::timed::{Dated, TaskReport};
+use genom_formal::{Dated, TaskReport, duration};
 
 /// Steps shown, at most: the last ones.
 const MOST: usize = 24;
