@@ -30,6 +30,7 @@ pub(super) fn diagnostic(said: &Diagnostic, sources: &SourceMap) -> lsp_types::D
         severity: Some(match said.severity {
             Severity::Error => DiagnosticSeverity::ERROR,
             Severity::Warning => DiagnosticSeverity::WARNING,
+            Severity::Hint => DiagnosticSeverity::HINT,
         }),
         code: Some(NumberOrString::String(said.code.to_owned())),
         source: Some("genom".to_owned()),

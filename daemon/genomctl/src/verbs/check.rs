@@ -4,9 +4,10 @@ use std::io::{self, Write as _};
 use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::Arc;
 
-use genom_description::diagnostic::first;
 use genom_description::diagnostic::render::{human, json, short};
+use genom_description::diagnostic::{Diagnostic, first};
 use genom_description::{Analysis, Options};
 
 use crate::agreement::Agreement;
@@ -16,6 +17,9 @@ use crate::session::Session;
 use crate::terminal::coloured_errors;
 
 /// Check descriptions: errors and warnings, shown in the text.
+///
+/// Without errors, hints tell what cannot work as described: what `genomctl verify` finds without a
+/// search. They refuse nothing.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The .gen files, read in order as one specification; or one library of codels (demo.so),
@@ -38,8 +42,8 @@ pub(crate) struct Args {
     /// Treat warnings as errors.
     #[arg(long)]
     deny_warnings: bool,
-    /// How many errors and warnings to print; the others are counted. With 0 all, up to 10000 of
-    /// each.
+    /// How many errors, warnings and hints to print; the others are counted. With 0 all, up to
+    /// 10000 of each.
     #[arg(long, value_name = "N", default_value_t = SHOWN)]
     limit: usize,
 }
@@ -58,7 +62,8 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     if let Some(library) = args.files.iter().find(|path| is_library(path)) {
         return Err(check_library(args, library));
     }
-    let analysis = args.reading.read(&args.files)?;
+    let mut analysis = args.reading.read(&args.files)?;
+    hint(&mut analysis);
     let (errors, warnings) = counts(&analysis);
     let format = match (session.json, args.short) {
         (true, _) => Format::Json,
@@ -90,6 +95,16 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
         return Err(Failure::Description { errors, warnings });
     }
     if format == Format::Human { session.print(&render(&analysis)) } else { Ok(()) }
+}
+
+/// Adds what can be said of the components without looking at their states.
+fn hint(analysis: &mut Analysis) {
+    if !analysis.has_errors() {
+        let hints = genom_formal::hints(&Arc::new(analysis.specification.clone())).into_iter();
+        let hints = hints
+            .map(|hint| Diagnostic::hint(hint.property, hint.span.unwrap_or_default(), hint.what));
+        analysis.diagnostics.extend(hints);
+    }
 }
 
 /// Prints the table of agreement. GenoM3's tool does not know the standard interface.

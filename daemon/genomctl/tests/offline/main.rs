@@ -6,5 +6,6 @@
 mod agreement;
 mod check;
 mod fmt;
+mod hints;
 mod made;
 mod support;

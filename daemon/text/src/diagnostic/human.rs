@@ -51,6 +51,7 @@ pub(super) fn severity_name(severity: Severity) -> &'static str {
     match severity {
         Severity::Error => "error",
         Severity::Warning => "warning",
+        Severity::Hint => "hint",
     }
 }
 
@@ -65,6 +66,7 @@ fn group<'d>(diagnostic: &'d Diagnostic, sources: &'d SourceMap) -> Group<'d> {
     let level = match diagnostic.severity {
         Severity::Error => Level::ERROR,
         Severity::Warning => Level::WARNING,
+        Severity::Hint => Level::HELP.with_name(severity_name(Severity::Hint)),
     };
     let title = level.primary_title(diagnostic.message.as_str()).id(diagnostic.code);
     let expansion = sources.expansion(diagnostic.span);

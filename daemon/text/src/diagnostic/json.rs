@@ -23,7 +23,7 @@ pub fn json(diagnostics: &[Diagnostic], rest: Rest, sources: &SourceMap) -> Stri
     if let Value::Object(document) = &mut document
         && !rest.is_empty()
     {
-        document.insert("left_out".to_owned(), json!(rest.errors + rest.warnings));
+        document.insert("left_out".to_owned(), json!(rest.errors + rest.warnings + rest.hints));
     }
     format!("{document:#}\n")
 }

@@ -4,10 +4,11 @@ use std::ops::{Deref, DerefMut};
 
 use super::{Diagnostic, Severity};
 
-/// Errors that are kept, and warnings; more are only counted, since a text may have millions.
+/// Errors that are kept, and warnings, and hints; more are only counted, since a text may have
+/// millions.
 const KEPT: usize = 10_000;
 
-/// Errors and warnings of a description.
+/// Errors, warnings and hints of a description.
 ///
 /// Dereferences to those that are kept; [`Diagnostics::errors`] and [`Diagnostics::warnings`] count
 /// all.
@@ -16,6 +17,7 @@ pub struct Diagnostics {
     kept: Vec<Diagnostic>,
     errors: Tally,
     warnings: Tally,
+    hints: Tally,
     /// Reading was abandoned at an error, so that errors about missing names would mislead.
     pub stopped: bool,
 }
@@ -39,13 +41,14 @@ impl Diagnostics {
 
     /// Adds those of another list after these.
     pub fn append(&mut self, other: Diagnostics) {
-        let (errors, warnings) = (other.errors, other.warnings);
+        let (errors, warnings, hints) = (other.errors, other.warnings, other.hints);
         for diagnostic in other.kept {
             self.push(diagnostic);
         }
         self.stopped |= other.stopped;
         self.errors.found += errors.found - errors.kept;
         self.warnings.found += warnings.found - warnings.kept;
+        self.hints.found += hints.found - hints.kept;
     }
 
     /// How many errors were found.
@@ -60,10 +63,16 @@ impl Diagnostics {
         self.warnings.found
     }
 
+    /// How many hints were found.
+    #[must_use]
+    pub fn hints(&self) -> usize {
+        self.hints.found
+    }
+
     /// How many were found in all.
     #[must_use]
     pub fn found(&self) -> usize {
-        self.errors.found + self.warnings.found
+        self.errors.found + self.warnings.found + self.hints.found
     }
 
     /// Drops those kept for which `keep` returns false.
@@ -88,6 +97,7 @@ impl Diagnostics {
         match severity {
             Severity::Error => &mut self.errors,
             Severity::Warning => &mut self.warnings,
+            Severity::Hint => &mut self.hints,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Errors and warnings about a description as data, the ways to show them, and the meaning of each
+//! Errors, warnings and hints about a description as data, the ways to show them, and the meaning of each
 //! code.
 
 mod fix;
@@ -24,16 +24,18 @@ pub mod render {
 /// Severity of a diagnostic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Severity {
+    /// The description is read, and something in it will not work as described.
+    Hint,
     /// The description is read, but something in it is surprising.
     Warning,
     /// The description is refused.
     Error,
 }
 
-/// An error or warning, with its positions in the text.
+/// An error, warning or hint, with its positions in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// Stable code such as `E0301` or `W0103`.
+    /// Stable code such as `E0301` or `W0103`; of a hint the name of a property.
     pub code: &'static str,
     /// Whether the description is refused for it.
     pub severity: Severity,
@@ -58,6 +60,11 @@ impl Diagnostic {
     /// A warning at `span`.
     pub fn warning(code: &'static str, span: Span, message: impl Into<String>) -> Self {
         Self::new(code, Severity::Warning, span, message.into())
+    }
+
+    /// A hint at `span` about a property that does not hold.
+    pub fn hint(property: &'static str, span: Span, message: impl Into<String>) -> Self {
+        Self::new(property, Severity::Hint, span, message.into())
     }
 
     fn new(code: &'static str, severity: Severity, span: Span, message: String) -> Self {

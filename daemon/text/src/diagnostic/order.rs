@@ -38,6 +38,8 @@ pub struct Rest {
     pub errors: usize,
     /// Warnings that are not shown.
     pub warnings: usize,
+    /// Hints that are not shown.
+    pub hints: usize,
 }
 
 impl Rest {
@@ -52,18 +54,10 @@ impl Rest {
 impl std::fmt::Display for Rest {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let plural = |count: usize| if count == 1 { "" } else { "s" };
-        let (errors, warnings) = (self.errors, self.warnings);
-        f.write_str("... and ")?;
-        if errors > 0 {
-            write!(f, "{errors} error{}", plural(errors))?;
-        }
-        if errors > 0 && warnings > 0 {
-            f.write_str(", ")?;
-        }
-        if warnings > 0 {
-            write!(f, "{warnings} warning{}", plural(warnings))?;
-        }
-        f.write_str(" more")
+        let all = [(self.errors, "error"), (self.warnings, "warning"), (self.hints, "hint")];
+        let said = all.iter().filter(|(count, _)| *count > 0);
+        let said = said.map(|(count, what)| format!("{count} {what}{}", plural(*count)));
+        write!(f, "... and {} more", said.collect::<Vec<_>>().join(", "))
     }
 }
 
@@ -84,6 +78,7 @@ pub fn first(
     let rest = Rest {
         errors: left(Severity::Error) + diagnostics.errors() - kept(Severity::Error),
         warnings: left(Severity::Warning) + diagnostics.warnings() - kept(Severity::Warning),
+        hints: left(Severity::Hint) + diagnostics.hints() - kept(Severity::Hint),
     };
     (shown.iter().map(|said| (*said).clone()).collect(), rest)
 }

@@ -90,6 +90,32 @@ fn what_cannot_work_is_told_as_a_hint_while_it_is_typed() {
     );
     editor.change(&file, 2, &text("wcet 4 ms"));
     assert_eq!(editor.diagnostics(&file), [""; 0]);
+    let sleeps = text("wcet 4 ms").replace("  task t", "  event alarm; task t").replace(
+        "c_stop() yield ether;",
+        "c_stop() yield sleep, ether; codel<alarm> c_alarm() yield ether;",
+    );
+    editor.change(&file, 3, &sleeps);
+    assert_eq!(
+        editor.diagnostics(&file),
+        ["4:16 stop activity go may sleep in state stop once it was asked to stop: only an event \
+             ends that"]
+    );
+    let (all, ordered) = (
+        "  activity go()",
+        "  function first() { codel f1(); after last; };\n  function last() { codel f2(); after \
+         first; };\n  activity go()",
+    );
+    editor.change(&file, 4, &text("wcet 4 ms").replace(all, ordered));
+    let order = |place: &str, of: &str, all: &str| {
+        format!(
+            "{place} order {of} can never run: there is no order of {all} in which `before` and \
+             `after` hold"
+        )
+    };
+    assert_eq!(
+        editor.diagnostics(&file),
+        [order("2:11", "first", "first, last"), order("3:11", "last", "last, first")]
+    );
     assert!(editor.stop().success());
 }
 
