@@ -8,4 +8,5 @@ mod check;
 mod fmt;
 mod hints;
 mod made;
+mod spin;
 mod support;
