@@ -57,7 +57,7 @@ fn uppaal_gets_the_same_states_and_steps() {
 
 /// What an element contains, in order: names, each at least and at most so many times. An element that
 /// is not here has text only.
-const DOCUMENT_TYPE: [(&str, &[(&str, usize, usize)]); 7] = [
+const DOCUMENT_TYPE: [(&str, Contents); 7] = [
     ("nta", &[("declaration", 0, 1), ("template", 1, MANY), ("system", 1, 1), ("queries", 0, 1)]),
     ("template", &[("name", 1, 1), ("location", 0, MANY), ("init", 0, 1), ("transition", 0, MANY)]),
     ("location", &[("name", 0, 1), ("label", 0, MANY), ("urgent", 0, 1), ("committed", 0, 1)]),
@@ -67,12 +67,14 @@ const DOCUMENT_TYPE: [(&str, &[(&str, usize, usize)]); 7] = [
     ("init", &[]),
 ];
 const MANY: usize = usize::MAX;
+type Contents = &'static [(&'static str, usize, usize)];
 
 /// Whether an element and all in it is as the document type says.
 fn is_valid(element: roxmltree::Node<'_, '_>) -> bool {
     let name = element.tag_name().name();
     let children: Vec<_> = element.children().filter(roxmltree::Node::is_element).collect();
-    let contains = DOCUMENT_TYPE.iter().find(|(own, _)| *own == name).map_or(&[][..], |one| one.1);
+    let known = DOCUMENT_TYPE.iter().find(|(own, _)| *own == name);
+    let contains: Contents = known.map_or(&[], |one| one.1);
     let mut left = children.iter().map(|child| child.tag_name().name()).peekable();
     let in_order = contains.iter().all(|(name, least, most)| {
         let mut count = 0;

@@ -60,7 +60,8 @@ fn small(random: &mut Random) -> String {
             let yields = random.one(&["ether", "ether, pause::stop"]);
             write!(text, " codel<stop> a{at}_stop() yield {yields};").unwrap();
         }
-        text.push_str(*random.one(&["", " interrupts a0;"]));
+        let also: &&str = random.one(&["", " interrupts a0;"]);
+        text.push_str(also);
         text.push_str(" };\n");
     }
     text + "};\n"
