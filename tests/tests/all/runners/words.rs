@@ -53,6 +53,8 @@ fn codels_use_ids_ports_parameters_events_and_exceptions(backend: &str) {
 
     // An activity that is interrupted runs its stop codel.
     daemon.ctl(&["pub", "toy/pace", "1e-9"]).expect_code(0);
+    // A new stream: the first one has the events of the motions before.
+    let mut events = daemon.events();
     daemon.ctl(&["start", "toy", "go", "goal=3"]).expect_code(0);
     events.wait_for(|event| event["state"] == "main" && event["paused"] == true);
     daemon.ctl(&["abort", "toy", "go"]).expect_code(0);
