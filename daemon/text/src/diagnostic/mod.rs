@@ -1,5 +1,5 @@
-//! Errors, warnings and hints about a description as data, the ways to show them, and the meaning of each
-//! code.
+//! Errors, warnings and hints about a description as data, the ways to show them, and the meaning of
+//! each code.
 
 mod fix;
 mod human;
