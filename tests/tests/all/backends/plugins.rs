@@ -127,7 +127,7 @@ fn a_daemon_does_not_start_with_a_library_that_is_no_middleware() {
     refused("./libgenomd_plain.so", "does not export `genom_middleware_plugin`");
     let next = board().replace(".major = GENOM_MW_MAJOR", ".major = 2");
     compile(home.path(), "next", &next);
-    refused("./libgenomd_next.so", "built for version 2.0");
+    refused("./libgenomd_next.so", "built for version 2.1");
     let own = board().replace("GENOM_MW_STR(\"board\")", "GENOM_MW_STR(\"zenoh\")");
     compile(home.path(), "own", &own);
     refused("./libgenomd_own.so", "this daemon has one already");
