@@ -347,6 +347,9 @@ class Wrong(Case):
                 self.assertEqual(d._process.wait(WATCHDOG), 0)
 
     def test_ctrl_c_ends_the_wait_for_a_codel_and_the_daemon_goes_on(self):
+        # Who is started in the background of a shell ignores the signal at first.
+        before = signal.signal(signal.SIGINT, signal.default_int_handler)
+        self.addCleanup(signal.signal, signal.SIGINT, before)
         options = ["--set", "stuck_after=1"]
         with tempfile.TemporaryDirectory() as place, genom.Daemon(options=options) as d:
             let_go = os.path.join(place, "go")

@@ -74,7 +74,7 @@ fn a_script_that_does_not_run_through_is_refused_with_its_line() {
 #[test]
 fn a_script_that_ends_its_process_is_told_with_its_line() {
     let lines = ["os._exit(3) ends this cell", "axis.py\", line 3, in <module>"];
-    refused("os._exit(3)", &["the cell's process does not answer"], &lines);
+    refused("os._exit(3)", &["its process ended: exit status 3"], &lines);
 }
 
 #[test]
