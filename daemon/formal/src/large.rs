@@ -95,8 +95,8 @@ impl System {
                 seek(part, times, &limits, &Potential::new(part, times, *task)?)
             });
             if let Some(run) = run {
-                (found.overrun, found.open) = (self.dated(times, &run), false);
-                found.spent = self.spent(times, &run, *task);
+                (found.overrun, found.spent) = self.overrun(times, &run, *task);
+                found.open = false;
                 found.course = Course { steps: run };
                 // The longest cycle of what was seen need not be the longest one.
                 found.response = None;

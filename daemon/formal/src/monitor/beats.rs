@@ -4,8 +4,8 @@ use genom_description::model::{CodelIx, PortIx, ServiceIx};
 use genom_runtime::{Beats, Happening};
 
 use super::clocked::{Led, Step, Watch};
-use super::fires::{Fires, undecided};
-use super::search::MOST_PORTS;
+use super::fires::Fires;
+use super::search::choices;
 use crate::duration::duration;
 use crate::explore::Limits;
 use crate::state::{Phase, State};
@@ -173,28 +173,17 @@ impl Watch for Heart<'_> {
                 own(what) || self.beats(*what)
             })
             .collect();
-        let open = u32::try_from(all.iter().filter(|(_, open)| *open).count()).ok()?;
-        if open > MOST_PORTS {
-            return None;
-        }
         let opens = matches!(step.state.phase, Phase::Starting(_)) && next.phase == Phase::Running;
-        let walk = |choice: u32| {
-            let mut left = choice;
-            let taken = all.iter().filter(|(_, open)| {
-                let skipped = *open && left & 1 == 0;
-                if *open {
-                    left >>= 1;
-                }
-                !skipped
-            });
-            let mut led = self.hear(system, step, taken.map(|(what, _)| *what));
+        let mut ways = Vec::new();
+        for happens in choices(&all, |(_, open)| *open)? {
+            let mut led = self.hear(system, step, happens.map(|(what, _)| *what));
             led.next = next.clone();
             if opens && self.during.is_none() {
                 (led.along, led.anew) = (along(Since::Begin, 0), true);
             }
-            led
-        };
-        Some((0..1 << open).map(walk).collect())
+            ways.push(led);
+        }
+        Some(ways)
     }
 
     fn waits(&self, system: &System, state: &State, time: Option<u64>) -> Option<String> {
@@ -214,10 +203,6 @@ impl System {
         times: Result<&Times, &str>,
         limits: &Limits,
     ) -> Fires {
-        let times = match times {
-            Ok(times) => times,
-            Err(why) => return undecided(why),
-        };
         let mut heart = Heart { of, least, longest, during, paired: false };
         match self.clocked(&mut heart, times, limits) {
             // A wrong bound is one that no time between two beats keeps.

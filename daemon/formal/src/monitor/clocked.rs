@@ -90,8 +90,17 @@ impl Led {
 }
 
 impl System {
-    /// Whether a rule can be broken, if codels take these times.
-    pub(super) fn clocked(&self, watch: &mut impl Watch, times: &Times, limits: &Limits) -> Fires {
+    /// Whether a rule can be broken, if codels take these times; or why they are not known.
+    pub(super) fn clocked(
+        &self,
+        watch: &mut impl Watch,
+        times: Result<&Times, &str>,
+        limits: &Limits,
+    ) -> Fires {
+        let times = match times {
+            Ok(times) => times,
+            Err(why) => return undecided(why),
+        };
         let begin = Instant::now();
         let mut table = Table::default();
         let first = self.initial(false);

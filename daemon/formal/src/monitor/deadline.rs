@@ -96,7 +96,7 @@ impl System {
         };
         let (begin, limit) = (Instant::now(), nanos(longest));
         let mut cycles = Cycles { task: crate::codels::small(task.index()), limit };
-        let seen = self.clocked(&mut cycles, times, &limits.share(begin, 1));
+        let seen = self.clocked(&mut cycles, Ok(times), &limits.share(begin, 1));
         let Fires::Undecided(why) = seen else { return seen };
         // What is too large may be decided by its parts, from ticks on.
         let limits = limits.share(begin, 0);
@@ -131,7 +131,7 @@ impl System {
         };
         let (begin, number) = (Instant::now(), crate::codels::small(task.index()));
         let mut watch = Ticks::new(number, ticks, (period, nanos(within)));
-        let seen = self.clocked(&mut watch, times, &limits.share(begin, 2));
+        let seen = self.clocked(&mut watch, Ok(times), &limits.share(begin, 2));
         match seen {
             Fires::Never if watch.perhaps => undecided(
                 "so many can be missed, and whether that is within the window depends on when the \
@@ -139,7 +139,7 @@ impl System {
             ),
             Fires::Undecided(why) => {
                 watch.startup = true;
-                let first = self.clocked(&mut watch, times, &limits.share(begin, 1));
+                let first = self.clocked(&mut watch, Ok(times), &limits.share(begin, 1));
                 let limits = limits.share(begin, 0);
                 self.with_report(task, times, &limits, |report, all_seen| {
                     let never = !report.is_late() && all_seen && first == Fires::Never;

@@ -21,6 +21,25 @@ const PLACE: usize = ENTRY + listed::<Place>() + 1024;
 /// Limit on ports that one codel may write and that a rule hears of: each is written or not.
 pub(super) const MOST_PORTS: u32 = 8;
 
+/// What is heard in a step, of which each that is open happens or does not: one list for each choice;
+/// `None` if there are too many.
+pub(super) fn choices<T>(
+    heard: &[T],
+    is_open: impl Fn(&T) -> bool + Copy,
+) -> Option<impl Iterator<Item = impl Iterator<Item = &T>>> {
+    let open = u32::try_from(heard.iter().filter(|one| is_open(one)).count()).ok()?;
+    let choice = move |choice: u32| {
+        let mut left = choice;
+        heard.iter().filter(move |one| {
+            let is_open = is_open(one);
+            let happens = !is_open || left & 1 == 1;
+            left >>= u32::from(is_open);
+            happens
+        })
+    };
+    (open <= MOST_PORTS).then(|| (0..1 << open).map(choice))
+}
+
 /// What goes along with the system.
 pub(super) enum Watched<'a> {
     Order(&'a Order),
@@ -174,21 +193,10 @@ impl System {
         let letter = |what: &Happening| watched.letter(heard, *what);
         let matter: Vec<(Happening, bool, usize)> =
             happens.iter().filter_map(|(what, open)| Some((*what, *open, letter(what)?))).collect();
-        let open = u32::try_from(matter.iter().filter(|(_, open, _)| *open).count()).ok()?;
-        if open > MOST_PORTS {
-            return None;
-        }
-        let walk = |choice: u32| {
+        let mut all = Vec::new();
+        for happens in choices(&matter, |(_, open, _)| *open)? {
             let (mut place, mut kept, mut broken) = (place.clone(), false, None);
-            let mut left = choice;
-            for (what, open, letter) in &matter {
-                if *open {
-                    let taken = left & 1 == 1;
-                    left >>= 1;
-                    if !taken {
-                        continue;
-                    }
-                }
+            for (what, _, letter) in happens {
                 let wrong = match (watched, &mut place) {
                     (Watched::Order(order), Place::Order(state)) => {
                         let next = order.next(*state, *letter);
@@ -204,9 +212,9 @@ impl System {
                     broken.get_or_insert_with(|| what.tell(self.plan.component()));
                 }
             }
-            Walked { place, kept, broken }
-        };
-        Some((0..1 << open).map(walk).collect())
+            all.push(Walked { place, kept, broken });
+        }
+        Some(all)
     }
 
     /// The run to a node, and one step more.

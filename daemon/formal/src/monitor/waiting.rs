@@ -7,7 +7,7 @@ use genom_description::model::{Ix as _, ServiceIx};
 use genom_runtime::nanos;
 
 use super::clocked::{Led, Step, Watch};
-use super::fires::{Fires, undecided};
+use super::fires::Fires;
 use crate::action::{Action, End, Told};
 use crate::codels::small;
 use crate::duration::duration;
@@ -106,10 +106,6 @@ impl System {
         times: Result<&Times, &str>,
         limits: &Limits,
     ) -> Fires {
-        let times = match times {
-            Ok(times) => times,
-            Err(why) => return undecided(why),
-        };
         let service = small(service.index());
         let mut waiting = Waiting { service, asked, limit: nanos(longest) };
         // Only what matters to it.

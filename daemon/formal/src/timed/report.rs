@@ -101,6 +101,7 @@ impl System {
             } else {
                 self.needed(times, limits, at, (&codels, explored.zones()))
             };
+            let (overrun, spent) = self.overrun(times, &run, crate::codels::small(at));
             let named = |(codel, most): (u16, u64)| (self.node_name(codel), most);
             Some(TaskReport {
                 name: self.task_name(crate::codels::small(at)),
@@ -109,10 +110,11 @@ impl System {
                 bound: false,
                 open: run.is_empty() && explored.limit.is_some(),
                 slowest: explored.slowest[at]
-                    .map(|end| self.dated(times, &explored.run_to(self, end)))
+                    .map(|end| explored.run_to(self, end))
+                    .map(|run| self.dated(&run, &dates(self, times, &run)))
                     .unwrap_or_default(),
-                overrun: self.dated(times, &run),
-                spent: self.spent(times, &run, crate::codels::small(at)),
+                overrun,
+                spent,
                 course: Course { steps: run },
                 needed: needed.into_iter().map(named).collect(),
             })
@@ -123,12 +125,22 @@ impl System {
         TimedReport { tasks, responses: Vec::new(), explored }
     }
 
-    /// What happens on the way to an overrun, with dates.
-    pub(crate) fn dated(&self, times: &Times, run: &[(State, Action)]) -> Vec<Dated> {
+    /// What happens on the way to an overrun, with dates, and what the task does that is late.
+    pub(crate) fn overrun(
+        &self,
+        times: &Times,
+        run: &[(State, Action)],
+        task: u16,
+    ) -> (Vec<Dated>, Vec<Spent>) {
         let dates = dates(self, times, run);
+        (self.dated(run, &dates), self.spent(run, &dates, task))
+    }
+
+    /// What happens in a run, of which each step has a date.
+    fn dated(&self, run: &[(State, Action)], dates: &[u64]) -> Vec<Dated> {
         let mut told = Vec::new();
         let mut lines = Vec::new();
-        for ((state, action), date) in run.iter().zip(dates) {
+        for ((state, action), date) in run.iter().zip(dates.iter().copied()) {
             let next = self.after(state, *action, &mut told);
             let words = self.words(state, *action).into_iter();
             let words = words.chain(self.begun(state, *action, &next));

@@ -1,6 +1,7 @@
 //! By how much codels are too long for a task.
 
 use super::explore::Timed;
+use super::spent::last_cycle;
 use super::times::Times;
 use crate::action::Action;
 use crate::explore::Limits;
@@ -16,10 +17,8 @@ const PART: u32 = 20;
 
 /// The codels in the last cycle of a task in a run, and those of other contexts meanwhile.
 pub(super) fn involved(run: &[(State, Action)], task: u16) -> Vec<u16> {
-    let before = run.split_last().map_or(run, |(_, before)| before);
-    let tick = before.iter().rposition(|(_, action)| *action == Action::Tick(task));
     let mut nodes = Vec::new();
-    for (state, _) in &run[tick.unwrap_or(0)..] {
+    for (state, _) in &run[last_cycle(run, task)..] {
         for (_, node) in state.lock.holders() {
             if !nodes.contains(&node) {
                 nodes.push(node);

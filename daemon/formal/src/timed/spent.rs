@@ -1,7 +1,5 @@
 //! What a task does in the cycle in which it is late.
 
-use super::dates::dates;
-use super::times::Times;
 use crate::action::Action;
 use crate::state::State;
 use crate::system::System;
@@ -17,14 +15,17 @@ pub struct Spent {
     pub ns: u64,
 }
 
+/// Where the last cycle of a task begins in a run: with its last tick before the end, or with the run
+/// if there is none.
+pub(super) fn last_cycle(run: &[(State, Action)], task: u16) -> usize {
+    let before = run.split_last().map_or(run, |(_, before)| before);
+    before.iter().rposition(|(_, action)| *action == Action::Tick(task)).unwrap_or(0)
+}
+
 impl System {
-    /// What a task does from its last tick before the end of a run, or from the beginning if there is
-    /// none, until that end.
-    pub(crate) fn spent(&self, times: &Times, run: &[(State, Action)], task: u16) -> Vec<Spent> {
-        let dates = dates(self, times, run);
-        let before = run.split_last().map_or(run, |(_, before)| before);
-        let tick = before.iter().rposition(|(_, action)| *action == Action::Tick(task));
-        let tick = tick.unwrap_or(0);
+    /// What a task does in the last cycle of a run, of which each step has a date.
+    pub(super) fn spent(&self, run: &[(State, Action)], dates: &[u64], task: u16) -> Vec<Spent> {
+        let tick = last_cycle(run, task);
         let (after, dates) = (run.iter().skip(tick + 1), dates.windows(2).skip(tick));
         let mut all: Vec<Spent> = Vec::new();
         for ((state, _), date) in after.zip(dates) {
