@@ -90,3 +90,41 @@ fn called(text: &mut String, called: &Called) {
         let _ = writeln!(text, "  {:>12}    after {of}", duration(waits.most));
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "test code")]
+mod tests {
+    use std::sync::Arc;
+
+    use genom_description::{Options, read_text};
+    use genom_formal::{Bounds, Processors, System};
+    use genom_runtime::Plan;
+
+    #[test]
+    fn a_bound_is_told_with_what_it_is_made_of_and_what_would_have_to_be_shorter() {
+        let duo = "component duo { ids { long shared; };
+          task fast { period 10 ms; priority 10; scheduling real-time;
+            codel<start> fa(inout shared) yield pause::start wcet 3 ms; };
+          task slow { period 40 ms; priority 20; scheduling real-time;
+            codel<start> sb(inout shared) yield work wcet 8 ms;
+            codel<work> sw() yield pause::start wcet 20 ms; }; };";
+        let options = Options { standard_interface: false, ..Options::default() };
+        let plan = Plan::new(&Arc::new(read_text("duo.gen", duo, &options).specification), 0);
+        let system = System::new(&Arc::new(plan.unwrap()), Bounds::default());
+        assert_eq!(
+            super::text(&system.schedule(&system.declared_times(), Processors::Own, 0)),
+            "\
+task fast (10.000 ms): MAY BE AT WORK AT ITS NEXT TICK
+      3.000 ms  fa
+      8.000 ms    after sb of slow
+     11.000 ms  or more, and 10.000 ms are there
+  in time if fa takes less than 2.000 ms
+  in time if sb takes less than 7.000 ms
+task slow (40.000 ms): in time, at most 31.000 ms from a tick to its end
+      8.000 ms  sb
+      3.000 ms    after fa of fast
+     20.000 ms  sw
+"
+        );
+    }
+}
