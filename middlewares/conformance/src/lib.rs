@@ -35,6 +35,7 @@ mod again;
 mod harness;
 pub mod life;
 pub mod ports;
+pub mod process;
 pub mod samples;
 pub mod services;
 pub mod types;

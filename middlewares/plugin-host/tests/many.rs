@@ -12,6 +12,7 @@ use std::time::Instant;
 
 use built::library;
 use genom_conformance::eventually;
+use genom_conformance::process::{resident, used};
 use genom_conformance::samples::{number, numbered, state};
 use genom_example::Example;
 use genom_middleware::{Address, Middleware, Policy, PortSpec, Reading};
@@ -20,19 +21,6 @@ use genom_plugin_host::Library;
 use genom_types::Record;
 
 static TABLE: Plugin = genom_plugin::table::<Example>("example");
-
-/// What this process has of the system: descriptors and threads.
-fn used() -> (usize, usize) {
-    let count = |folder: &str| fs::read_dir(folder).expect("a folder of the system").count();
-    (count("/proc/self/fd"), count("/proc/self/task"))
-}
-
-/// Resident memory in kB.
-fn resident() -> u64 {
-    let status = fs::read_to_string("/proc/self/status").expect("a file of the system");
-    let line = status.lines().find(|line| line.starts_with("VmRSS:")).expect("its memory");
-    line.split_ascii_whitespace().nth(1).and_then(|kb| kb.parse().ok()).expect("a number")
-}
 
 /// Opens an out port and an in port for each component, and has a sample pass through each pair.
 /// Returns what the process had of the system meanwhile, and how long it took.

@@ -1,12 +1,18 @@
 //! What a library tells of refused input and of trouble arrives as it was told; an older library,
 //! whose table ends before, tells nothing (`genom3/middleware.h`, version 1.1).
 
-#![allow(clippy::expect_used, reason = "test code")]
+#![allow(
+    clippy::expect_used,
+    unsafe_code,
+    reason = "test code, which calls a table as a host does"
+)]
 
 mod built;
 
 use std::io;
+use std::mem::offset_of;
 use std::path::Path;
+use std::ptr;
 use std::sync::Arc;
 
 use built::table;
@@ -14,7 +20,8 @@ use genom_middleware::{
     Address, Backend, Capabilities, Middleware, Obstacle, OpenError, Policy, PortSpec, Ports,
     Publisher, Refused, Subscription,
 };
-use genom_plugin::abi::Plugin;
+use genom_plugin::abi::table::Opaque;
+use genom_plugin::abi::{Code, Host, MAJOR, Plugin, Str};
 use genom_plugin_host::Library;
 use genom_types::{DataType, Kind, Record, TypeTable};
 
@@ -151,4 +158,40 @@ fn refusals_and_trouble_that_a_backend_in_rust_tells_arrive() {
     let told = [refused("noise", 7, Some("192.0.2.7")), refused("more noise", 1, None)];
     assert_eq!(middleware.refused(), told);
     assert_eq!(middleware.trouble(), trouble());
+}
+
+/// What is where a host of version 1.0 has nothing.
+unsafe extern "C" fn behind(_: Opaque, _: Str, _: u64, _: Str) {
+    std::process::abort();
+}
+
+#[test]
+fn in_a_host_of_version_1_0_a_backend_opens_and_what_is_behind_its_table_is_not_called() {
+    let host = Host {
+        size: offset_of!(Host, refusal),
+        major: MAJOR,
+        minor: 0,
+        flags: 0,
+        host: ptr::null_mut(),
+        log: None,
+        release: None,
+        sample: None,
+        request: None,
+        cancel: None,
+        answer: None,
+        endpoint: None,
+        text: None,
+        refusal: Some(behind),
+    };
+    let (mut backend, none) = (ptr::null_mut(), ptr::null_mut());
+    let (open, close) = (TABLE.open.expect("it"), TABLE.close.expect("it"));
+    // SAFETY: a table as a host has it, options, and room for a handle.
+    let code = unsafe { open(&raw const host, Str::of("{}"), &raw mut backend, ptr::null_mut()) };
+    assert_eq!(code, Code::OK);
+    // SAFETY: an open backend; the host has no function that would use the list.
+    unsafe { TABLE.refused.expect("it")(backend, none) };
+    // SAFETY: as above.
+    unsafe { TABLE.trouble.expect("it")(backend, none) };
+    // SAFETY: an open backend, which is closed once.
+    unsafe { close(backend) };
 }

@@ -17,27 +17,17 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use genom_conformance::ports::read_until;
+use genom_conformance::process::{resident, used};
 use genom_conformance::samples::{numbered, set_number, state};
 use genom_middleware::{Address, Policy, PortSpec, Ports as _, Reading};
 use genom_types::Record;
 use world::Place;
 
-/// Resident memory of this process in kB.
-fn resident() -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap();
-    let line = status.lines().find(|line| line.starts_with("VmRSS:")).unwrap();
-    line.split_ascii_whitespace().nth(1).unwrap().parse().unwrap()
-}
-
-fn entries(folder: &str) -> usize {
-    std::fs::read_dir(folder).unwrap().count()
-}
-
 fn pairs(count: usize) {
     let place = Place::new();
     let (a, b) = (place.open(), place.open());
     let ty = state();
-    let (memory, files) = (resident(), entries("/proc/self/fd"));
+    let (memory, (files, _)) = (resident(), used());
     let begun = Instant::now();
     let mut ends: Vec<_> = (0..count)
         .map(|n| {
@@ -52,8 +42,8 @@ fn pairs(count: usize) {
         read_until(&mut **reader, n as u64);
     }
     let flowing = begun.elapsed();
-    let (more, descriptors) = (resident() - memory, entries("/proc/self/fd") - files);
-    let threads = entries("/proc/self/task");
+    let (more, (descriptors, threads)) = (resident() - memory, used());
+    let descriptors = descriptors - files;
     let begun = Instant::now();
     drop(ends);
     println!(

@@ -10,10 +10,10 @@
 
 mod world;
 
-use std::fs;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use genom_conformance::process::{resident, used};
 use genom_conformance::samples::{number, numbered, state};
 use genom_conformance::{World as _, eventually};
 use genom_middleware::{
@@ -32,19 +32,6 @@ fn open(place: &Place) -> Arc<dyn Middleware> {
     let options = serde_json::json!({"server": place.options().server}).to_string();
     let library = Library::built_in(&TABLE).expect("a table");
     library.middleware(&options).expect("it opens")
-}
-
-/// What this process has of the system: descriptors and threads.
-fn used() -> (usize, usize) {
-    let count = |folder: &str| fs::read_dir(folder).expect("a folder of the system").count();
-    (count("/proc/self/fd"), count("/proc/self/task"))
-}
-
-/// Resident memory in kB.
-fn resident() -> u64 {
-    let status = fs::read_to_string("/proc/self/status").expect("a file of the system");
-    let line = status.lines().find(|line| line.starts_with("VmRSS:")).expect("its memory");
-    line.split_ascii_whitespace().nth(1).and_then(|kb| kb.parse().ok()).expect("a number")
 }
 
 struct Echo;
