@@ -81,13 +81,15 @@ def _why(error: BaseException, path: str) -> str:
     """The error, with the line of the script that led to it."""
     if isinstance(error, SyntaxError) and error.filename == path:
         return f"line {error.lineno}: {error.msg}"
-    late = isinstance(error, TooLong)
-    frames = error.frames if isinstance(error, TooLong) else traceback.extract_tb(error.__traceback__)
+    if isinstance(error, TooLong):
+        frames, what = error.frames, str(error)
+    else:
+        frames = list(traceback.extract_tb(error.__traceback__))
+        what = f"{type(error).__name__}: {error}"
     own = [frame for frame in frames if frame.filename == path]
     where = f"line {own[-1].lineno}: " if own else ""
     inner = frames[-1] if frames else None
     within = "" if inner is None or (own and inner is own[-1]) else f" ({inner.filename}:{inner.lineno})"
-    what = str(error) if late else f"{type(error).__name__}: {error}"
     return f"{where}{what}{within}"
 
 
