@@ -13,6 +13,7 @@ mod events;
 mod foreign;
 mod handles;
 mod layout;
+mod limit;
 mod loader;
 pub mod measured;
 mod names;

@@ -12,6 +12,8 @@ use crate::layout::RawType;
 pub(crate) struct Request {
     pub(crate) path: PathBuf,
     pub(crate) text: String,
+    /// How long the text may take to define its functions.
+    pub(crate) seconds: f64,
     pub(crate) component: String,
     pub(crate) codels: Vec<Codel>,
     pub(crate) ports: Vec<Port>,

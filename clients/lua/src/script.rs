@@ -11,6 +11,7 @@ use crate::codel::{Called, Codel, Doing, Parameter, Source, text_of};
 use crate::events::{Events, Exceptions, UNKEX, plain};
 use crate::foreign::{Class, Closure, Function, Log};
 use crate::layout::{Kind, Types};
+use crate::limit::Limit;
 use crate::request::{self, Direction, From, Request};
 use crate::state::State;
 use crate::{handles, remotes, value};
@@ -154,7 +155,9 @@ fn run(
         Err(Error::SyntaxError { message, .. }) => return Ok(Err(with_line(&message))),
         Err(why) => return Err(why),
     };
+    let limit = Limit::set(lua, request.seconds)?;
     let (well, came): (bool, Value) = state.xpcall.call((function, state.failed.clone()))?;
+    drop(limit);
     if well {
         return Ok(Ok(came.as_table().cloned().unwrap_or_else(|| lua.globals())));
     }

@@ -44,9 +44,19 @@ pub enum OpenError {
     /// Its process.
     #[error(transparent)]
     Down(#[from] Down),
+    /// The same of one that is gone, since nothing else was in it.
+    #[error("{0}; the cell held nothing else, and is gone")]
+    Gone(Down),
     /// It refuses.
     #[error(transparent)]
     Ask(#[from] AskError),
+}
+
+impl OpenError {
+    /// Nothing was done in a cell that was down, and may be gone by now.
+    fn of(down: Down, cell: &Cell) -> Self {
+        if cell.is_over() { Self::Gone(down) } else { Self::Down(down) }
+    }
 }
 
 /// The cells of a daemon.
@@ -189,7 +199,7 @@ impl Cells {
         };
         if let Err(down) = cell.begun().await {
             self.end_if_empty(&cell).await;
-            return Err(down.into());
+            return Err(OpenError::of(down, &cell));
         }
         Ok(cell)
     }
@@ -265,7 +275,10 @@ impl Cells {
         }
         drop(turn);
         self.end_if_empty(&cell).await;
-        loaded
+        loaded.map_err(|error| match error {
+            OpenError::Down(down) => OpenError::of(down, &cell),
+            error => error,
+        })
     }
 
     /// Takes a component out of its cell, which ends with its last one.

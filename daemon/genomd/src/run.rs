@@ -435,11 +435,13 @@ async fn deploy_in_cells(daemon: &Daemon, settings: &Settings) -> Result<Option<
             Ok(asked) => return Ok(Some(asked)),
             // One that ended meanwhile comes back with what it held, or has failed: neither is a
             // reason to end the others.
-            Err(OpenError::Down(down)) if down.state == CellState::Failed => {
+            Err(OpenError::Down(down) | OpenError::Gone(down))
+                if down.state == CellState::Failed =>
+            {
                 tracing::error!("{down}; what the configuration says of it is not done");
                 return Ok(None);
             }
-            Err(OpenError::Down(_) | OpenError::Ask(AskError::Gone(_))) => {
+            Err(OpenError::Down(_) | OpenError::Gone(_) | OpenError::Ask(AskError::Gone(_))) => {
                 tokio::time::sleep(Duration::from_millis(100)).await;
             }
             Err(error) => return Err(Refusal::component(error)),

@@ -180,6 +180,11 @@ pub(super) fn refused(error: OpenError) -> RpcError {
             RpcError::new(StatusCode::BAD_GATEWAY, Code::MiddlewareFailed, error).place("/out")
         }
         OpenError::Down(error) => down(&error),
+        error @ OpenError::Gone(_) => {
+            let help = "the next load begins another one; `genomctl crashes` may tell more";
+            RpcError::new(StatusCode::SERVICE_UNAVAILABLE, Code::CellDown, error.to_string())
+                .help(help)
+        }
         OpenError::Ask(error) => not_done(error),
     }
 }

@@ -45,6 +45,17 @@ fn a_script_that_does_not_run_is_told_with_its_line() {
 }
 
 #[test]
+fn a_script_that_does_not_come_to_its_end_is_refused_also_where_it_catches_errors() {
+    let loop_of = |body: &str| format!("local function spin() while true do end end\n{body}\n");
+    for body in ["spin()", "while true do pcall(spin) end", "coroutine.wrap(spin)()"] {
+        let (_scratch, file) = axis(DESCRIPTION, &loop_of(body));
+        let refused = Home::new().refused(&["--set", "start_timeout=1", path(&file)]);
+        refused.expect_code(1).expect_err("the script is here after 1 s (start_timeout)");
+        refused.expect_err("axis.lua: line ");
+    }
+}
+
+#[test]
 fn description_and_file_agree_on_the_language() {
     for lang in ["c", "python"] {
         let other = DESCRIPTION.replace("\"lua\"", &format!("\"{lang}\""));

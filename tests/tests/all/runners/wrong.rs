@@ -68,7 +68,8 @@ fn a_runner_that_ends_while_it_loads_is_told_with_how() {
     ] {
         let (_scratch, file) = toy(DESCRIPTION, script);
         let refused = daemon.ctl(&["load", path(&file)]);
-        refused.expect_code(1).expect_err(told);
+        refused.expect_code(1).expect_err(told).expect_err("the next load begins another one");
+        assert!(!refused.err.contains("--restart"), "there is nothing to restart: {}", refused.err);
         assert_goes_on(&daemon);
     }
 }
