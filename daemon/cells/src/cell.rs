@@ -4,6 +4,7 @@ mod again;
 mod failing;
 mod hearing;
 mod reached;
+mod standing;
 mod supervised;
 
 use std::os::fd::OwnedFd;
@@ -66,6 +67,10 @@ struct State {
     steps: Option<Arc<OwnedFd>>,
     /// What its last process held: more than the next one, if something is not to come back.
     held: Deployment,
+    /// Whether its process ended, nobody had asked for that, and no other one runs yet.
+    fell: bool,
+    /// Whether nobody who watches its components has heard of that yet.
+    fall_untold: bool,
     /// What is being done of other components since its process failed.
     reacting: Option<Waiting>,
     /// Broken rules that it told within this second.
@@ -292,7 +297,10 @@ impl Cell {
             true => held.clone(),
             false => journal::kept(held.clone(), end.is_failure()),
         };
-        self.with(|state| state.held = held);
+        self.with(|state| {
+            state.held = held;
+            (state.fell, state.fall_untold) = (!asked, !asked);
+        });
         let names: Vec<String> = kept.component.iter().map(|one| one.instance()).collect();
         if !self.is_gateway()
             && let Err(error) = journal::write(&self.place.journal(), &kept)
@@ -381,6 +389,7 @@ impl Cell {
             let names = all.components.into_iter().map(|one| one.name).chain(all.loading).collect();
             self.with(|state| state.components = names);
         }
+        self.with(|state| state.fell = false);
         // Read now, so that a failure waits for no reading.
         let _ = self.journal.read();
         self.enter(CellState::Running);

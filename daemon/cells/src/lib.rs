@@ -20,6 +20,7 @@ mod cells;
 mod client;
 mod crashes;
 mod deploy;
+mod diagnosed;
 mod done;
 mod dying;
 mod end;

@@ -152,6 +152,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     }
     if daemon.own_cell.is_none() {
         daemon.cells.start_gateways().map_err(Refusal::own)?;
+        daemon.cells.diagnose(supervisor);
     }
     let opened = open_backend(supervisor).await;
     if let Some(own) = &daemon.own_cell {

@@ -68,6 +68,12 @@ pub struct LogEntry {
     pub level: Level,
     /// Module of the daemon that logged it.
     pub origin: String,
+    /// Its source file, if known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// The line in that file, from 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub line: Option<u32>,
     /// The component it is about, if any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub component: Option<String>,

@@ -28,6 +28,12 @@ pub struct Gateways {
     pub reach: Reach,
 }
 
+impl Gateways {
+    fn has(&self, name: &str) -> bool {
+        self.of.iter().any(|one| one == name)
+    }
+}
+
 /// The middlewares in use. Each is opened when first needed, and stays open.
 pub struct Backends {
     /// Their sections of the configuration, by name.
@@ -81,14 +87,18 @@ impl Backends {
     }
 
     fn make(&self, known: &Known) -> Result<Arc<dyn Middleware>, SectionError> {
-        let gateways = self.gateways.as_ref();
         if let Some(Gateways { reach, .. }) =
-            gateways.filter(|all| all.of.iter().any(|name| name == known.name))
+            self.gateways.as_ref().filter(|all| all.has(known.name))
         {
             let proxy = Proxy::open(known.name, reach.clone()).map_err(SectionError::refused)?;
             return Ok(Arc::new(proxy));
         }
         known.open(self.options.get(known.name).unwrap_or(&toml::Table::new()))
+    }
+
+    /// Whether the middleware of that name is opened in a process of its own.
+    pub fn is_gateway(&self, name: &str) -> bool {
+        self.gateways.as_ref().is_some_and(|all| all.has(name))
     }
 
     /// Has a function called with each middleware that opens from now on.

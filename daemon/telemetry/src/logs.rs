@@ -109,6 +109,8 @@ impl<S: Subscriber> Layer<S> for Keep {
             time: now(),
             level: grade(*about.level()),
             origin: about.target().to_owned(),
+            file: about.file().map(ToOwned::to_owned),
+            line: about.line(),
             component: words.component,
             message: words.message + &words.rest,
         });
@@ -123,8 +125,15 @@ fn now() -> f64 {
 /// An entry that stands for those a reader missed.
 pub fn missed(count: u64) -> LogEntry {
     let message = format!("{count} entries before this one are not kept any more");
-    let (level, origin) = (Grade::Warn, "genomd".to_owned());
-    LogEntry { time: now(), level, origin, component: None, message }
+    LogEntry {
+        time: now(),
+        level: Grade::Warn,
+        origin: "genomd".to_owned(),
+        file: None,
+        line: None,
+        component: None,
+        message,
+    }
 }
 
 fn grade(level: Level) -> Grade {
@@ -185,13 +194,15 @@ mod tests {
     #[test]
     fn an_entry_names_its_component_and_level() {
         let logger = tracing_subscriber::registry().with(Keep);
-        tracing::subscriber::with_default(logger, || {
+        let here = tracing::subscriber::with_default(logger, || {
             tracing::warn!(instance = "arm", task = "main", "cannot run on {}", 3);
+            line!() - 1
         });
         let kept = past().listen(Some(0)).take_past();
         let mine = |entry: &&genom_supervisor::bus::Numbered| entry.data["component"] == "arm";
         let entry = kept.iter().find(mine).expect("it was kept");
         assert_eq!(entry.data["level"], "warn");
         assert_eq!(entry.data["message"], "cannot run on 3 task=\"main\"");
+        assert_eq!((&entry.data["file"], &entry.data["line"]), (&file!().into(), &here.into()));
     }
 }

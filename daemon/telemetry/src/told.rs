@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Weak};
 use std::time::Duration;
 
-use genom_middleware::{Diagnosis, Health, LogEntry, LogLevel, Middleware};
+use genom_middleware::{Diagnosis, Health, LogEntry, LogLevel, Middleware, Part};
 use genom_protocol::{Level, LogEntry as Kept};
 use genom_runtime::TaskStatistics;
 use genom_supervisor::Supervisor;
@@ -112,6 +112,8 @@ fn entry(kept: &Kept, instance: &str) -> LogEntry {
             Level::Debug | Level::Trace => LogLevel::Debug,
         },
         place: kept.origin.clone(),
+        file: kept.file.clone().unwrap_or_default(),
+        line: kept.line.unwrap_or_default(),
         message,
     }
 }
@@ -139,8 +141,8 @@ fn diagnosis(instance: &str, task: &TaskStatistics, missed: u64) -> Diagnosis {
         ("real-time priority", task.real_time.to_string()),
     ];
     let values = values.map(|(name, value)| (name.to_owned(), value)).to_vec();
-    let (instance, task) = (instance.to_owned(), task.name.clone());
-    Diagnosis { instance, task, health, message, values }
+    let (instance, of) = (instance.to_owned(), Part::Task(task.name.clone()));
+    Diagnosis { instance, of, health, message, values }
 }
 
 #[cfg(test)]
@@ -155,11 +157,14 @@ mod tests {
             time: 1.5,
             level: Level::Trace,
             origin: "genomd".to_owned(),
+            file: Some("src/main.rs".to_owned()),
+            line: Some(7),
             component: Some("demo".to_owned()),
             message: "é".repeat(LONGEST),
         };
         let told = entry(&kept, "demo");
         assert_eq!((told.time, told.level), (1_500_000_000, LogLevel::Debug));
+        assert_eq!((told.file.as_str(), told.line), ("src/main.rs", 7));
         assert_eq!(told.message.len(), LONGEST);
     }
 

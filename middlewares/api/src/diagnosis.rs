@@ -1,14 +1,15 @@
-//! How tasks of components fare, for middlewares whose tools show that.
+//! How tasks of components fare, and the processes that they are in, for middlewares whose tools
+//! show that.
 
 use serde::{Deserialize, Serialize};
 
-/// How a task of a component fares.
+/// How a part of a component fares.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Diagnosis {
     /// The component instance.
     pub instance: String,
-    /// The task.
-    pub task: String,
+    /// What of it.
+    pub of: Part,
     /// Whether something is wrong.
     pub health: Health,
     /// What, in a few words.
@@ -17,7 +18,17 @@ pub struct Diagnosis {
     pub values: Vec<(String, String)>,
 }
 
-/// Whether something is wrong with a task.
+/// A part of a component that can fare well or badly.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Part {
+    /// A task, by its name.
+    Task(String),
+    /// The process that it is in, by the name of the cell. When that has ended, nothing of the
+    /// component is open on any middleware, and another process tells so.
+    Cell(String),
+}
+
+/// Whether something is wrong with a part of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Health {
     /// It works as described.
@@ -26,4 +37,6 @@ pub enum Health {
     Late,
     /// A codel has not returned for too long.
     Stuck,
+    /// It ended, and nobody had asked it to.
+    Ended,
 }

@@ -27,7 +27,7 @@ pub mod service;
 
 pub use address::Address;
 pub use backend::Backend;
-pub use diagnosis::{Diagnosis, Health};
+pub use diagnosis::{Diagnosis, Health, Part};
 pub use discovery::{Discovery, Endpoint, EndpointKind, Obstacle, Stranger};
 pub use error::{CallError, DiscoverError, NoForeignName, OpenError, PublishError, ReadError};
 pub use log::{LogEntry, LogLevel};

@@ -13,6 +13,10 @@ pub struct LogEntry {
     pub level: LogLevel,
     /// What logged it: a module of the daemon.
     pub place: String,
+    /// The source file there; empty where it is not known.
+    pub file: String,
+    /// The line in it, from 1; 0 where it is not known.
+    pub line: u32,
     /// The message.
     pub message: String,
 }

@@ -75,10 +75,10 @@ pub trait Middleware: Ports + Send + Sync {
         let _ = entry;
     }
 
-    /// Shows how tasks of components fare. Does not block; those of components that have no port or
-    /// service open here are left out.
-    fn diagnose(&self, tasks: &[Diagnosis]) {
-        let _ = tasks;
+    /// Shows how components fare. Does not block; tasks of components that have no port or service
+    /// open here are left out.
+    fn diagnose(&self, parts: &[Diagnosis]) {
+        let _ = parts;
     }
 
     /// What keeps this process from others on this middleware, as a whole. May take some seconds.

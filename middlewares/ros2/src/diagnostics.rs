@@ -1,7 +1,8 @@
 //! `/diagnostics`, as aggregators and rqt_runtime_monitor read it: a status for each task of the
-//! components that are nodes here, `NODE: TASK`.
+//! components that are nodes here, `NODE: TASK`, and one for each process that has a component,
+//! `NODE: cell CELL`, also when it has ended and the node is gone.
 
-use genom_middleware::{Diagnosis, Health};
+use genom_middleware::{Diagnosis, Health, Part};
 use ros2_client::builtin_interfaces::Time;
 use serde::Serialize;
 
@@ -37,12 +38,13 @@ struct DiagnosticStatus<'a> {
 }
 
 impl Diagnostics {
-    /// Publishes how tasks of components fare that are nodes here.
+    /// Publishes how components fare that are nodes here, or were until their process ended.
     pub(crate) fn put(&self, ros: &Ros, all: &[Diagnosis]) {
         let nodes = ros.rmw.nodes();
         let of_node = all.iter().filter_map(|one| {
             let node = ros.names.node(&one.instance);
-            nodes.contains(&node).then(|| status(names::split(&node).1, one))
+            let shown = matches!(one.of, Part::Cell(_)) || nodes.contains(&node);
+            shown.then(|| status(names::split(&node).1, one))
         });
         let status: Vec<_> = of_node.collect();
         if status.is_empty() {
@@ -58,9 +60,12 @@ fn status<'a>(node: &str, one: &'a Diagnosis) -> DiagnosticStatus<'a> {
         level: match one.health {
             Health::Good => OK,
             Health::Late => WARN,
-            Health::Stuck => ERROR,
+            Health::Stuck | Health::Ended => ERROR,
         },
-        name: format!("{node}: {}", one.task),
+        name: match &one.of {
+            Part::Task(task) => format!("{node}: {task}"),
+            Part::Cell(cell) => format!("{node}: cell {cell}"),
+        },
         message: &one.message,
         hardware_id: "",
         values: &one.values,

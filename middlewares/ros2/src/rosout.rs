@@ -31,9 +31,9 @@ impl Rosout {
             },
             name: node.replace('/', "."),
             msg: entry.message.clone(),
-            file: String::new(),
+            file: entry.file.clone(),
             function: entry.place.clone(),
-            line: 0,
+            line: entry.line,
         };
         self.0.put(ros, ("rosout", "rcl_interfaces", "Log"), true, &log);
     }

@@ -35,7 +35,7 @@ def session(mode, listen, connect):
 router = session("router", [ROUTER], []) if IS_ROUTER else None
 node = session("peer", ["tcp/127.0.0.1:0"], [ROUTER])
 zid = str(node.info.zid())
-held, topics, written, counted, present = [], {}, {}, [0], {}
+held, topics, written, counted, present, open_queries = [], {}, {}, [0], {}, {}
 
 
 def seen(sample):
@@ -181,6 +181,31 @@ def serve(name, ty, of, body):
     return "ready"
 
 
+def hold(name, ty, of):
+    """Takes requests, and answers none before it is told to."""
+    asked = topics[name] = queue.Queue()
+    held.append(node.declare_queryable(key_of(name, ty, of), asked.put, complete=True))
+    show("SS", name, ty, of, "::,10:,:,:,,")
+    return "ready"
+
+
+def asked(name):
+    """The next request: its body, for a later answer."""
+    query = topics[name].get(timeout=PATIENCE)
+    open_queries[name] = query
+    return bytes(query.payload).hex()
+
+
+def answer(name, body):
+    """Answers the request that was asked last."""
+    query = open_queries.pop(name)
+    number, _, _ = struct.unpack("<qqB", bytes(query.attachment)[:17])
+    gid = bytes(query.attachment)[17:]
+    query.reply(query.key_expr, bytes.fromhex(body), attachment=attachment(number, gid))
+    query.drop()
+    return "done"
+
+
 def client(name, ty, of):
     """Waits for a server of this name, type and hash."""
     key = key_of(name, ty, of)
@@ -239,7 +264,10 @@ def there(text):
 
 commands = {
     of.__name__: of
-    for of in (read, sample, arrived, write, matched, put, buffers, plain, serve, client, call, ends, gone, there)
+    for of in (
+        *(read, sample, arrived, write, matched, put, buffers, plain),
+        *(serve, hold, asked, answer, client, call, ends, gone, there),
+    )
 }
 print('"up"', flush=True)
 for line in sys.stdin:

@@ -78,6 +78,8 @@ mod tests {
             time: 86_399.25,
             level: Level::Warn,
             origin: "genomd".into(),
+            file: None,
+            line: None,
             component: Some("demo".into()),
             message: "odd".into(),
         };

@@ -69,8 +69,8 @@ impl Middleware for Proxy {
         let _ = self.shared().say(&Up::Log(entry.clone()), &[]);
     }
 
-    fn diagnose(&self, tasks: &[Diagnosis]) {
-        let _ = self.shared().say(&Up::Diagnose(tasks.to_vec()), &[]);
+    fn diagnose(&self, parts: &[Diagnosis]) {
+        let _ = self.shared().say(&Up::Diagnose(parts.to_vec()), &[]);
     }
 
     fn trouble(&self) -> Vec<Obstacle> {

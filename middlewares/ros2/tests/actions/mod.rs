@@ -1,5 +1,7 @@
 //! Activities as actions over zenoh, which are services and topics of the node.
 
+mod served;
+
 use super::*;
 
 const FIBONACCI: &str = "test_msgs::action::dds_::Fibonacci_";
@@ -95,8 +97,8 @@ fn a_node_has_an_action_run_by_the_services_and_topics_that_it_is_made_of() {
 }
 
 /// The hash that a part of the action has in its token.
-fn hash_of(node: &mut Peer, part: &str, ty: &str) -> String {
-    let ends = node.ask(&json!(["there", format!("/%demo%count%_action%{part}/{ty}/")]));
+fn hash_of(node: &mut Peer, server: &str, part: &str, ty: &str) -> String {
+    let ends = node.ask(&json!(["there", format!("/%{server}%count%_action%{part}/{ty}/")]));
     let (token, _) = ends.as_object().unwrap().iter().next().unwrap();
     token.split('/').find(|word| word.starts_with("RIHS01_")).unwrap().to_owned()
 }
@@ -115,10 +117,10 @@ fn a_node_reads_the_states_of_an_activity_as_feedback_and_cancels_it() {
         ("get_result", of("GetResult")),
         ("cancel_goal", CANCEL.to_owned()),
     ] {
-        let hash = hash_of(&mut node, part, &ty);
+        let hash = hash_of(&mut node, "demo", part, &ty);
         node.ask(&json!(["client", path(part), ty, hash]));
     }
-    let hash = hash_of(&mut node, "feedback", &of("FeedbackMessage"));
+    let hash = hash_of(&mut node, "demo", "feedback", &of("FeedbackMessage"));
     node.ask(&json!(["read", path("feedback"), of("FeedbackMessage"), hash, false]));
     let send = |node: &mut Peer, id: &str, most: u8| {
         let goal = format!("00010000{id}{most:02x}000000");

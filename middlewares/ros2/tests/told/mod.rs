@@ -33,6 +33,8 @@ fn what_a_component_logs_and_which_of_its_parameters_are_set_reaches_a_node() {
         time: 1_500_000_000,
         level: LogLevel::Warn,
         place: "here".to_owned(),
+        file: "arm.rs".to_owned(),
+        line: 258,
         message: message.to_owned(),
     };
     assert!(ros2.takes_reports());
@@ -47,7 +49,10 @@ fn what_a_component_logs_and_which_of_its_parameters_are_set_reaches_a_node() {
     let heard = node.ask(&json!(["sample", "/rosout"]));
     // 1.5 s since 1970, WARN, and the name of the logger.
     let wanted = format!("00010000010000000065cd1d1e00000005000000{}", hexadecimal(b"demo\0"));
-    assert!(heard["body"].as_str().unwrap().starts_with(&wanted), "{heard}");
+    let body = heard["body"].as_str().unwrap();
+    assert!(body.starts_with(&wanted), "{heard}");
+    // The file, and at the end, on a multiple of 4, the line.
+    assert!(body.contains(&hexadecimal(b"arm.rs\0")) && body.ends_with("02010000"), "{heard}");
 
     let event = "rcl_interfaces::msg::dds_::ParameterEvent_";
     let hash = "RIHS01_043e627780fcad87a22d225bc2a037361dba713fca6a6b9f4b869a5aa0393204";

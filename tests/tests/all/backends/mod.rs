@@ -5,6 +5,7 @@ mod container;
 mod forged;
 mod hiroz;
 mod lifecycle;
+mod over_zenoh;
 mod plugins;
 mod remapped;
 mod ros2_peers;

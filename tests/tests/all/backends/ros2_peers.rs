@@ -144,6 +144,12 @@ fn what_the_demo_logs_how_its_task_fares_and_which_parameters_are_set_is_told_to
         (&entry["level"], &entry["function"]),
         (&json!(20), &json!("genom_supervisor::supervisor"))
     );
+    let file = entry["file"].as_str().unwrap();
+    assert!(file.ends_with("supervisor/src/supervisor.rs"), "{file}");
+    let line = entry["line"].as_u64().unwrap() as usize;
+    let source = std::fs::read_to_string(repository().join(file)).unwrap();
+    let logs = source.lines().skip(line - 1).take(4).any(|line| line.contains("runs on"));
+    assert!(logs, "line {line} of {file}");
     assert_eq!(entry["name"], format!("{}.demo", namespace.trim_start_matches('/')));
     daemon.ctl(&["reload", "demo"]).expect_code(0);
     while !peer.ask(&json!(["sample", "/rosout"]))["msg"].as_str().unwrap().starts_with("runs /") {}

@@ -154,6 +154,7 @@ const CELLS: &[&str] = &[
     "genom-host",
     "genom-kit",
     "genom-limits",
+    "genom-middleware",
     "genom-nearest",
     "genom-ports",
     "genom-protocol",

@@ -36,7 +36,7 @@ const FLOORS: &[(&str, &str)] = &[
     (
         "cells",
         "end done stat dying policy shelf theirs place snapshots journal client crashes follow remains blackbox kept process bell program setup wants cell round \
-         asking cells gateway unmatched own react merge record unload over ends wire deploy thaw lib",
+         asking cells gateway unmatched own react merge record unload over ends diagnosed wire deploy thaw lib",
     ),
     ("genomd", "refusal cli announcements settings daemon ros rpc signals life run check lib main"),
 ];
