@@ -80,7 +80,7 @@ fn refused(middleware: &Middleware) -> impl Iterator<Item = Diagnosis> {
 fn trouble(middleware: &Middleware) -> Vec<Diagnosis> {
     let name = &middleware.name;
     let closed = middleware.closed.iter().map(|why| {
-        let fix = format!("correct [backends.{name}]; configs/{name}.toml tells of its keys");
+        let fix = format!("correct [backends.{name}]; configs/{name}.toml (or whoever made its library) tells of its keys");
         Diagnosis::problem(name, format!("it was needed and could not be opened: {why}"), fix)
     });
     let told =

@@ -8,7 +8,7 @@ mod world;
 use std::io::Write as _;
 use std::process::Stdio;
 
-use genom_tests::{Home, component, path};
+use genom_tests::{Home, component, path, repository};
 use world::Place;
 
 /// What `yarp rpc` prints for these lines.
@@ -24,10 +24,14 @@ fn programs_of_yarp_read_and_call_a_component_of_a_daemon() {
     let place = Place::new();
     let library = std::env::current_exe().unwrap().with_file_name("libgenomd_yarp.so");
     let server = place.options().server;
-    let home = Home::new()
-        .configured(&format!("[backends.yarp]\nlibrary = {library:?}\nserver = {server:?}\n"));
+    // The example, but for where these two are.
+    let example = std::fs::read_to_string(repository().join("configs/yarp.toml")).unwrap();
+    let text = example
+        .replace("\"../target/debug/libgenomd_yarp.so\"", &format!("{library:?}"))
+        .replace("server = \"\"", &format!("server = {server:?}"));
+    assert!(text.contains(path(&library)) && text.contains(&server), "{text}");
     let demo = component("demo").library;
-    let daemon = home.start(&["--backend", "yarp", path(&demo)]);
+    let daemon = Home::new().configured(&text).start(&["--path", path(demo.parent().unwrap())]);
     let told = asked(&place, "/demo/rpc", "set_speed 0.25\nget_speed\nset_speed 99\ngoto 0.01\n");
     assert!(told.contains("0.25") && told.contains("::demo::OUT_OF_RANGE"), "{told}");
     daemon.ctl(&["call", "demo", "get_speed"]).expect_out("velocity = 0.25\n");
