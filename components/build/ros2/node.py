@@ -215,8 +215,12 @@ def burst(service, count, values):
     """Calls many times at once. Returns the replies that there are when one of them is a success."""
     made = clients[service]
     calls = [made.call_async(fill(made.srv_type.Request(), values)) for _ in range(count)]
-    until("a success", lambda: any(call.done() and call.result().success for call in calls))
-    return [plain(call.result()) for call in calls if call.done()]
+    replies = lambda: [plain(call.result()) for call in calls if call.done()]
+    try:
+        until("a success", lambda: any(reply["success"] for reply in replies()))
+    except TimeoutError as error:
+        raise TimeoutError(f"{error}; the replies: {replies()}") from None
+    return replies()
 
 
 def action(name, kind):
