@@ -23,7 +23,8 @@ fn place(daemon: &Daemon) -> Value {
 fn codels_use_ids_ports_parameters_events_and_exceptions(backend: &str) {
     let daemon = started(&["--backend", backend]);
     // Between processes, what would stay in one goes over shared memory.
-    assert_eq!(daemon.port("toy", "where")["backend"], "shm");
+    let between = if backend == "local" { "shm" } else { backend };
+    assert_eq!(daemon.port("toy", "where")["backend"], between);
     assert_eq!(place(&daemon), json!({"position": 0.0, "steps": 0, "moves": false}));
 
     // Nothing was published for `pace`: steps are of 0.25 m.
@@ -72,6 +73,16 @@ fn codels_use_ids_ports_parameters_events_and_exceptions_on_local() {
 #[test]
 fn codels_use_ids_ports_parameters_events_and_exceptions_on_shared_memory() {
     codels_use_ids_ports_parameters_events_and_exceptions("shm");
+}
+
+#[test]
+fn codels_use_ids_ports_parameters_events_and_exceptions_on_zenoh() {
+    codels_use_ids_ports_parameters_events_and_exceptions("zenoh");
+}
+
+#[test]
+fn codels_use_ids_ports_parameters_events_and_exceptions_on_ros_2() {
+    codels_use_ids_ports_parameters_events_and_exceptions("ros2");
 }
 
 /// The component of the example with another script.
