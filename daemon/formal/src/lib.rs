@@ -40,6 +40,7 @@ pub use bounds::Bounds;
 pub use duration::duration;
 pub use explore::{Explored, Limit, Limits, Looked};
 pub use export::{ExportError, Format, fairness};
+pub use genom_timing::Period;
 pub use hints::{Hint, hints};
 pub use lock::{Conflicts, Lock};
 pub use ltl::{Formula, FormulaError};
@@ -51,7 +52,7 @@ pub use schedule::{
     Threads, Waits,
 };
 pub use state::{At, Life, Mode, Pc, Pending, Phase, Place, Run, State, Step, Task, Worker};
-pub use system::{Period, System};
+pub use system::System;
 pub use timed::{
     Dated, Duration, Longest, Overrun, Response, Seen, Spent, TaskReport, Timed, TimedReport, Times,
 };

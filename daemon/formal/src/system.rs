@@ -6,6 +6,7 @@ use genom_description::model::{CodelIx, Ix as _, Task};
 use genom_runtime::body::EventId;
 use genom_runtime::nanos;
 use genom_runtime::plan::Plan;
+use genom_timing::Period;
 
 use crate::action::Answer;
 use crate::bounds::Bounds;
@@ -36,15 +37,6 @@ pub struct System {
     pub(crate) clients: Vec<bool>,
     /// Tasks that are looked at; others do nothing once requests are served.
     pub(crate) looked_at: Vec<bool>,
-}
-
-/// Ticks of a task: at `delay + n * period` from the start of the component, in nanoseconds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Period {
-    /// Time between two ticks.
-    pub period: u64,
-    /// Date of the first tick, less than the period; the one at 0 is that of the start-up.
-    pub delay: u64,
 }
 
 impl System {

@@ -8,7 +8,8 @@ use crate::action::Action;
 use crate::explore::{Limit, Limits};
 use crate::state::{Phase, State};
 use crate::system::System;
-use crate::timed::{Clock, Table, Times, Zone, bound, clocks, guarded, initial, stepped};
+use crate::timed::{Clock, Table, Times, bound, clocks, guarded, initial, stepped};
+use genom_timing::Zone;
 
 /// What a rule waits for, going along with the system.
 pub(super) trait Watch {

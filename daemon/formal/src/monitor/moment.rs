@@ -4,7 +4,8 @@
 use genom_runtime::{Bounds, Judge, Noted};
 
 use crate::codels::small;
-use crate::timed::{Clock, Zone, bound};
+use crate::timed::{Clock, bound};
+use genom_timing::Zone;
 
 const ANY: Bounds = Bounds { least: 0, most: u64::MAX };
 

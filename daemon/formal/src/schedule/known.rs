@@ -1,7 +1,7 @@
 //! What is known of a task while the others are looked at, and why there is no bound.
 
 use super::cycle::Cycle;
-use super::processors::Load;
+use genom_timing::Load;
 
 /// What another task executes during a cycle.
 #[derive(Clone, Debug, PartialEq, Eq)]

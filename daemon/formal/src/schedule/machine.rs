@@ -10,10 +10,10 @@ use genom_description::model::{Ix as _, TaskIx};
 use super::contexts::{Adds, Contexts};
 use super::cycle::{Costs, Cycle, Cycles};
 use super::known::Cause;
-use super::processors::{Load, alone, together};
 use super::report::Scheduled;
 use crate::system::System;
 use crate::timed::Times;
+use genom_timing::{Load, alone, together};
 
 /// A component on a machine.
 #[derive(Clone, Debug)]

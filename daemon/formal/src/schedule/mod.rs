@@ -12,7 +12,6 @@ mod cycle;
 mod dearest;
 mod known;
 mod machine;
-mod processors;
 mod report;
 mod startup;
 mod ways;

@@ -3,13 +3,13 @@
 use super::contexts::{Adds, Ahead, Contexts};
 use super::cycle::{Costs, Cycle, Cycles};
 use super::known::{Cause, Known, Meanwhile};
-use super::processors::{Load, alone, together};
 use super::startup::Startup;
 use super::window::Window;
 use crate::codels::small;
 use crate::system::System;
 use crate::timed::Times;
 use genom_description::model::{Ix as _, TaskIx};
+use genom_timing::{Load, alone, together};
 
 /// What threads run on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,26 +92,8 @@ impl System {
     /// The same without what would have to change.
     pub(crate) fn bounded(&self, times: &Times, processors: Processors, late: u64) -> Schedule {
         let contexts = Contexts::new(self);
-        let adds = if processors == Processors::Own { Adds::Chain } else { Adds::All };
         let own = processors == Processors::Own;
-        // First cycles are looked at by themselves then.
-        let cycles = if own { Cycles::Ticks } else { Cycles::All };
-        let mut known: Vec<Known> = Vec::new();
-        for (period, task) in self.periods.iter().zip(0u16..) {
-            let counts = |context: u16| match processors {
-                // What others of a higher priority hold is in what they take of the processor.
-                Processors::Shared(1) => {
-                    !self.is_task(context) || self.priority(context) > self.priority(task)
-                }
-                Processors::Own | Processors::Shared(_) => true,
-            };
-            let costs = || Costs::new(self, times, &contexts, task, (&counts, adds));
-            let cycle = period.and_then(|_| Cycle::new(self, task, costs(), cycles).ok());
-            let work = cycle.as_ref().map_or(0, |cycle| cycle.cost);
-            let period = period.map_or(0, |period| period.period);
-            let load = Load { period, work, late, response: 0 };
-            known.push(Known { task, load, cycle, meanwhile: Vec::new() });
-        }
+        let mut known = self.cycles(times, &contexts, processors, late);
         let startup = Startup::new(self, times, &contexts, &known);
         if own && startup.is_regular(self) {
             Window::new(self, times, &contexts).narrow(&mut known);
@@ -136,6 +118,37 @@ impl System {
         let others = known.iter().filter(|one| self.is_aperiodic(one.task));
         let others = others.map(|one| self.task_name(one.task)).collect();
         Schedule { tasks: found.into_iter().map(|(_, one)| one).collect(), others }
+    }
+
+    /// The dearest cycle of each task.
+    fn cycles(
+        &self,
+        times: &Times,
+        contexts: &Contexts,
+        processors: Processors,
+        late: u64,
+    ) -> Vec<Known> {
+        let own = processors == Processors::Own;
+        let adds = if own { Adds::Chain } else { Adds::All };
+        // First cycles are looked at by themselves then.
+        let cycles = if own { Cycles::Ticks } else { Cycles::All };
+        let mut known: Vec<Known> = Vec::new();
+        for (period, task) in self.periods.iter().zip(0u16..) {
+            let counts = |context: u16| match processors {
+                // What others of a higher priority hold is in what they take of the processor.
+                Processors::Shared(1) => {
+                    !self.is_task(context) || self.priority(context) > self.priority(task)
+                }
+                Processors::Own | Processors::Shared(_) => true,
+            };
+            let costs = || Costs::new(self, times, contexts, task, (&counts, adds));
+            let cycle = period.and_then(|_| Cycle::new(self, task, costs(), cycles).ok());
+            let work = cycle.as_ref().map_or(0, |cycle| cycle.cost);
+            let period = period.map_or(0, |period| period.period);
+            let load = Load { period, work, late, response: 0 };
+            known.push(Known { task, load, cycle, meanwhile: Vec::new() });
+        }
+        known
     }
 
     fn response(

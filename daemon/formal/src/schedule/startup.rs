@@ -4,8 +4,9 @@
 use super::contexts::{Adds, Contexts};
 use super::cycle::Costs;
 use super::known::{Cause, Known};
-use crate::system::{Period, System};
+use crate::system::System;
 use crate::timed::Times;
+use genom_timing::Period;
 
 /// When first cycles are over.
 pub(super) struct Startup {

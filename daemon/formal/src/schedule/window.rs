@@ -7,13 +7,12 @@ use super::contexts::{Adds, Contexts};
 use super::cycle::{Costs, Cycle, Cycles};
 use super::known::{Known, Meanwhile};
 use crate::codels::small;
-use crate::system::{Period, System};
+use crate::system::System;
 use crate::timed::Times;
+use genom_timing::{Period, cycles};
 
 /// Tasks that are counted for whole cycles, in all combinations.
 const MOST: usize = 5;
-/// Dates of ticks that are looked at.
-const TICKS: u64 = 4_096;
 
 pub(super) struct Window<'a> {
     system: &'a System,
@@ -118,8 +117,10 @@ impl<'a> Window<'a> {
             if length >= period.period {
                 return None;
             }
-            let cycles: Vec<u64> =
-                others.iter().map(|other| cycles(period, length + reach, other)).collect();
+            let cycles: Vec<u64> = others
+                .iter()
+                .map(|other| cycles(period, length + reach, (other.period, other.response)))
+                .collect();
             let meanwhile = others.iter().zip(&cycles);
             let meanwhile = meanwhile.map(|(other, cycles)| cycles.saturating_mul(other.each));
             let next = meanwhile.fold(own, u64::saturating_add);
@@ -133,73 +134,6 @@ impl<'a> Window<'a> {
                 return Some((cost, told.filter(|one| one.each > 0).collect()));
             }
             cost = next;
-        }
-    }
-}
-
-/// Cycles of another task that there may be in part while one of this length lasts from a tick on:
-/// all dates of ticks are known.
-fn cycles(own: Period, length: u64, other: &Other) -> u64 {
-    let (period, response) = (other.period.period, other.response);
-    let common = lcm(own.period, period).map(|common| common / own.period);
-    let Some(ticks) = common.filter(|ticks| *ticks <= TICKS) else {
-        return (length.saturating_add(response) / period).saturating_add(1);
-    };
-    let count = |tick: u64| {
-        // Later by a period of the other, so that nothing is below zero.
-        let begin = own.delay + tick * own.period + period;
-        // Ticks before the end whose cycles may end after the beginning.
-        let before = |date: u64| {
-            let first = other.period.delay;
-            if date <= first { 0 } else { (date - first).div_ceil(period) }
-        };
-        let ends = begin.saturating_sub(response).saturating_add(1);
-        before(begin + length).saturating_sub(before(ends))
-    };
-    (0..ticks).map(count).max().unwrap_or(0)
-}
-
-fn lcm(a: u64, b: u64) -> Option<u64> {
-    let (mut x, mut y) = (a, b);
-    while y > 0 {
-        (x, y) = (y, x % y);
-    }
-    (a / x.max(1)).checked_mul(b)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn cycles_are_counted_at_the_dates_of_their_ticks() {
-        let own = Period { period: 10, delay: 0 };
-        let other = |period: u64, delay: u64, response: u64| Other {
-            task: 1,
-            each: 1,
-            period: Period { period, delay },
-            response,
-        };
-        // Both at zero: the one of 40 is over when the next of 10 begins, or is not.
-        assert_eq!(cycles(own, 5, &other(40, 0, 10)), 1);
-        assert_eq!(cycles(own, 5, &other(40, 0, 35)), 1);
-        // Two ticks of 5 are in a cycle of 6, one in a cycle of 5.
-        assert_eq!(cycles(own, 6, &other(5, 0, 2)), 2);
-        assert_eq!(cycles(own, 5, &other(5, 0, 2)), 1);
-        // With another delay, an earlier one may go on.
-        assert_eq!(cycles(own, 2, &other(10, 5, 5)), 0);
-        assert_eq!(cycles(own, 2, &other(10, 5, 6)), 1);
-        // All pairs of dates, one by one.
-        for (period, delay, response, length) in
-            [(7, 3, 4, 9), (3, 1, 2, 8), (15, 14, 6, 3), (10, 9, 9, 4), (4, 0, 3, 9)]
-        {
-            let count = |tick: u64| {
-                let (begin, end) = (tick * 10, tick * 10 + length);
-                let ticks = (0..2_000).map(|n| delay + n * period);
-                ticks.filter(|t| *t < end && t + response > begin).count()
-            };
-            let most = (0..200).map(count).max().unwrap() as u64;
-            assert_eq!(cycles(own, length, &other(period, delay, response)), most);
         }
     }
 }

@@ -3,11 +3,11 @@
 use std::borrow::Cow;
 
 use super::times::Times;
-use super::zone::{Guards, Zone};
 use crate::action::Action;
 use crate::codels::small;
 use crate::state::State;
 use crate::system::System;
+use genom_timing::{Guards, Zone};
 
 /// A clock of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,11 +5,11 @@ use std::time::Instant;
 use super::clocks::{Clock, clocks, guarded, initial, stepped};
 use super::table::Table;
 use super::times::Times;
-use super::zone::Zone;
 use crate::action::Action;
 use crate::explore::{Limit, Limits};
 use crate::state::{At, Phase, State};
 use crate::system::System;
+use genom_timing::Zone;
 
 /// States that were reached, with the values of clocks.
 #[derive(Debug)]

@@ -5,6 +5,7 @@ mod dates;
 mod explore;
 mod follow;
 #[cfg(test)]
+#[path = "../../tests/unit/golden.rs"]
 mod golden;
 mod potential;
 mod report;
@@ -14,7 +15,6 @@ mod slack;
 mod spent;
 mod table;
 mod times;
-mod zone;
 
 pub(crate) use clocks::{
     Clock, begins, bound, clocks, greatest, guarded, initial, is_urgent, stepped,
@@ -29,4 +29,3 @@ pub(crate) use seek::seek;
 pub use spent::Spent;
 pub(crate) use table::Table;
 pub use times::{Duration, Times};
-pub(crate) use zone::Zone;

@@ -2,10 +2,10 @@
 
 use super::clocks::Clock;
 use super::times::Times;
-use super::zone::Zone;
 use crate::schedule::Dearest;
 use crate::state::{At, Life, Mode, Run, State};
 use crate::system::System;
+use genom_timing::Zone;
 
 use super::explore::works;
 

@@ -3,12 +3,12 @@
 use indexmap::IndexSet;
 use rustc_hash::FxBuildHasher;
 
-use super::zone::Zone;
 use crate::action::Action;
 use crate::memory::{ENTRY, PIECE, listed};
 use crate::pack::{pack, unpacked};
 use crate::state::State;
 use crate::system::System;
+use genom_timing::Zone;
 
 /// Bytes that are taken for each node, with its place among those that a search has still to look
 /// at, and for each state, whose list of nodes begins with four.

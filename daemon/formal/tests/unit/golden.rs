@@ -13,11 +13,11 @@ use genom_runtime::Plan;
 
 use super::clocks::{Clock, carried, clocks, guarded, is_urgent, passed};
 use super::times::{Duration, Times};
-use super::zone::Zone;
 use crate::action::Action;
 use crate::bounds::Bounds;
 use crate::state::{Phase, State};
 use crate::system::System;
+use genom_timing::Zone;
 
 const MS: u64 = 1_000_000;
 

@@ -7,7 +7,7 @@ const NONE: i64 = i64::MAX;
 /// A set of values of clocks. Clock 0 is always zero. Always closed: each bound is the least that
 /// follows from all others.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Zone {
+pub struct Zone {
     size: usize,
     /// For clocks `i` and `j`, the greatest value of `i - j`, row by row.
     bounds: Box<[i64]>,
@@ -15,13 +15,13 @@ pub(crate) struct Zone {
 
 /// What later steps compare a clock with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Guards {
+pub struct Guards {
     /// The greatest value that it has to have reached.
-    pub(crate) least: Option<i64>,
+    pub least: Option<i64>,
     /// The greatest value that it must not pass.
-    pub(crate) most: Option<i64>,
+    pub most: Option<i64>,
     /// It may pass it all the same: a step only tells values up to it apart.
-    pub(crate) passes: bool,
+    pub passes: bool,
 }
 
 fn sum(a: i64, b: i64) -> i64 {
@@ -30,7 +30,8 @@ fn sum(a: i64, b: i64) -> i64 {
 
 impl Zone {
     /// The zone of one point: clock `i + 1` has the value `values[i]`.
-    pub(crate) fn point(values: &[i64]) -> Self {
+    #[must_use]
+    pub fn point(values: &[i64]) -> Self {
         let size = values.len() + 1;
         let value = |clock: usize| if clock == 0 { 0 } else { values[clock - 1] };
         let bounds = (0..size * size).map(|at| value(at / size) - value(at % size)).collect();
@@ -42,13 +43,14 @@ impl Zone {
     }
 
     /// The greatest value of a clock.
-    pub(crate) fn most(&self, clock: usize) -> Option<i64> {
+    #[must_use]
+    pub fn most(&self, clock: usize) -> Option<i64> {
         Some(self.bound(clock, 0)).filter(|bound| *bound != NONE)
     }
 
     /// Keeps the values with `i - j` at most `bound`; `false` when none is left.
     #[must_use]
-    pub(crate) fn keep(&mut self, i: usize, j: usize, bound: i64) -> bool {
+    pub fn keep(&mut self, i: usize, j: usize, bound: i64) -> bool {
         if sum(self.bound(j, i), bound) < 0 {
             return false;
         }
@@ -74,18 +76,18 @@ impl Zone {
 
     /// Keeps the values of a clock that are at least `bound`.
     #[must_use]
-    pub(crate) fn at_least(&mut self, clock: usize, bound: i64) -> bool {
+    pub fn at_least(&mut self, clock: usize, bound: i64) -> bool {
         self.keep(0, clock, -bound)
     }
 
     /// Keeps the values of a clock that are at most `bound`.
     #[must_use]
-    pub(crate) fn at_most(&mut self, clock: usize, bound: i64) -> bool {
+    pub fn at_most(&mut self, clock: usize, bound: i64) -> bool {
         self.keep(clock, 0, bound)
     }
 
     /// Time passes, for as long as one likes.
-    pub(crate) fn up(&mut self) {
+    pub fn up(&mut self) {
         for clock in 1..self.size {
             self.bounds[clock * self.size] = NONE;
         }
@@ -96,7 +98,7 @@ impl Zone {
     /// below and from above (Behrmann, Bouyer, Larsen, Pelanek: Lower and Upper Bounds in Zone-Based
     /// Abstractions of Timed Automata, 2006). Values beyond `most` are left
     /// out, unless the clock may pass it.
-    pub(crate) fn extrapolate(&mut self, guards: &[Guards]) {
+    pub fn extrapolate(&mut self, guards: &[Guards]) {
         let size = self.size;
         let at_least: Vec<i64> = (0..size).map(|clock| -self.bound(0, clock)).collect();
         let mut changed = false;
@@ -151,12 +153,14 @@ impl Zone {
     }
 
     /// The greatest value of a clock less another one.
-    pub(crate) fn difference(&self, i: usize, j: usize) -> Option<i64> {
+    #[must_use]
+    pub fn difference(&self, i: usize, j: usize) -> Option<i64> {
         Some(self.bound(i, j)).filter(|bound| *bound != NONE)
     }
 
     /// Clock by clock, the one of this zone that it is (from 1), or `None` for a new one at zero.
-    pub(crate) fn select(&self, clocks: &[Option<usize>]) -> Self {
+    #[must_use]
+    pub fn select(&self, clocks: &[Option<usize>]) -> Self {
         let size = clocks.len() + 1;
         let mut bounds = Vec::with_capacity(size * size);
         let old = || std::iter::once(0).chain(clocks.iter().map(|clock| clock.unwrap_or(0)));
@@ -168,12 +172,14 @@ impl Zone {
     }
 
     /// Whether all values of `other` are in this zone.
-    pub(crate) fn includes(&self, other: &Self) -> bool {
+    #[must_use]
+    pub fn includes(&self, other: &Self) -> bool {
         self.bounds.iter().zip(&other.bounds).all(|(mine, theirs)| theirs <= mine)
     }
 
     /// Bytes that it takes.
-    pub(crate) fn bytes(&self) -> usize {
+    #[must_use]
+    pub fn bytes(&self) -> usize {
         size_of::<Self>() + self.bounds.len() * size_of::<i64>()
     }
 }

@@ -2,19 +2,21 @@
 
 /// A task as the recurrences see it, in nanoseconds.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Load {
-    pub(super) period: u64,
+pub struct Load {
+    /// Its period.
+    pub period: u64,
     /// Its dearest cycle, with what it waits for.
-    pub(super) work: u64,
+    pub work: u64,
     /// How late its cycles begin.
-    pub(super) late: u64,
+    pub late: u64,
     /// Its longest response, for tasks of higher priority.
-    pub(super) response: u64,
+    pub response: u64,
 }
 
 /// Longest time from a tick to the end of its cycle on one processor: Joseph and Pandya, Finding
 /// Response Times in a Real-Time System, 1986. `None` if the next tick comes before.
-pub(super) fn alone(own: Load, higher: &[Load]) -> Option<u64> {
+#[must_use]
+pub fn alone(own: Load, higher: &[Load]) -> Option<u64> {
     let mut time = own.work;
     loop {
         let interference = |one: &Load| {
@@ -34,7 +36,8 @@ pub(super) fn alone(own: Load, higher: &[Load]) -> Option<u64> {
 
 /// The same on several processors, with a queue for all: Bertogna and Cirinei, Response-Time
 /// Analysis for Globally Scheduled Symmetric Multiprocessor Platforms, 2007.
-pub(super) fn together(own: Load, higher: &[Load], processors: u64) -> Option<u64> {
+#[must_use]
+pub fn together(own: Load, higher: &[Load], processors: u64) -> Option<u64> {
     let mut time = own.work;
     loop {
         let interference = |one: &Load| {
