@@ -83,6 +83,15 @@ impl System {
                 task.slowest.clear();
             }
         }
+        if report.tasks.iter().any(|task| task.open) {
+            let latest = self.latest(times);
+            for (task, found) in tasks.iter().zip(&mut report.tasks) {
+                if let (true, Some(latest)) = (found.open, &latest[usize::from(*task)]) {
+                    (found.open, found.response, found.bound) = (false, Some(latest.cycle), true);
+                    found.slowest.clear();
+                }
+            }
+        }
         let mut open = report.tasks.iter().filter(|task| task.open).count();
         for (task, found) in tasks.iter().zip(&mut report.tasks) {
             let Some(sum) = sum(&found.name).filter(|_| found.open) else { continue };

@@ -11,9 +11,11 @@ mod contexts;
 mod cycle;
 mod dearest;
 mod known;
+mod latest;
 mod machine;
 mod report;
 mod startup;
+mod walk;
 mod ways;
 mod window;
 

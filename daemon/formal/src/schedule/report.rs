@@ -120,6 +120,12 @@ impl System {
         Schedule { tasks: found.into_iter().map(|(_, one)| one).collect(), others }
     }
 
+    /// Whether all first cycles are over before the first tick.
+    pub(super) fn starts_in_time(&self, times: &Times, contexts: &Contexts) -> bool {
+        let known = self.cycles(times, contexts, Processors::Own, 0);
+        Startup::new(self, times, contexts, &known).is_regular(self)
+    }
+
     /// The dearest cycle of each task.
     fn cycles(
         &self,
