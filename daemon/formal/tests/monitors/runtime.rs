@@ -1,6 +1,8 @@
 //! What the runtime says that random runs break is never proved to be unbreakable.
 //!
-//! On a stepped clock codels take no time, and the model is given the same.
+//! On a stepped clock codels take no time, and the model is given the same. Limits are random, and seldom
+//! next to what can happen: a bound of the model that is too small by a step of the clock is not noticed
+//! here. `times.rs` has bounds computed by hand, a tenth of a millisecond apart.
 
 use std::fmt::Write as _;
 use std::sync::{Arc, Mutex};
