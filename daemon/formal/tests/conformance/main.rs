@@ -21,7 +21,7 @@ use genom_formal::Variant;
 use play::play;
 
 /// Runs that have to be accepted, by as many threads as there are processors.
-const RUNS: u64 = 600;
+const RUNS: u64 = 10_000;
 /// Runs of which a model with a changed rule has to refuse one.
 const FEW: u64 = 300;
 
