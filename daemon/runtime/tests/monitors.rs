@@ -160,7 +160,7 @@ fn a_cycle_that_does_not_end_is_told_by_who_watches_once_and_not_again_when_it_e
 }
 
 #[test]
-fn an_activity_that_does_not_stop_in_time_is_told_at_that_date() {
+fn an_activity_that_takes_longer_to_stop_is_told_as_soon_as_it_does() {
     let over = Arc::new(AtomicBool::new(false));
     let ends = Arc::clone(&over);
     let linger = codel(move || if ends.load(Ordering::SeqCst) { "ether" } else { "pause::stop" });
@@ -176,7 +176,7 @@ fn an_activity_that_does_not_stop_in_time_is_told_at_that_date() {
     assert_eq!(told.lines(), [""; 0]);
     clock.step(Duration::from_millis(76));
     assert_eq!(told.lines(), ["125 ms: activity round was asked to stop 25.0 ms ago"]);
-    assert_eq!((told.all()[0].value, told.all()[0].bound), (Some(25_000_000), Some(25_000_000)));
+    assert_eq!((told.all()[0].value, told.all()[0].bound), (Some(25_000_001), Some(25_000_000)));
     assert_eq!(instance.violations(), [1]);
     over.store(true, Ordering::SeqCst);
     instance.shutdown(LONG).unwrap();

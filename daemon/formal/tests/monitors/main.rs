@@ -6,6 +6,7 @@
 mod body;
 #[path = "../conformance/components.rs"]
 mod components;
+mod edges;
 #[path = "../conformance/play.rs"]
 #[allow(dead_code, reason = "what is seen of the runs is looked at by others")]
 mod play;

@@ -61,7 +61,7 @@ impl Beat {
                     return None;
                 }
                 let from = self.moves_to(NONE);
-                self.is_late(from, now, self.longest.saturating_add(1))
+                self.is_late(from, now)
             }
         }
     }
@@ -103,7 +103,7 @@ impl Beat {
         if from != NONE && from & BEAT > 0 && since < self.least {
             return Some(Fact::Soon { ns: since });
         }
-        self.is_late(from, now, self.longest.saturating_add(1))
+        self.is_late(from, now)
     }
 
     /// From this date on it is waited for.
@@ -118,24 +118,24 @@ impl Beat {
         }
     }
 
-    /// Whether it did not come within this time until this date, and nobody was told that.
-    fn is_late(&self, from: u64, now: u64, longest: u64) -> Option<Fact> {
+    /// Whether it did not come in time until this date, and nobody was told that.
+    fn is_late(&self, from: u64, now: u64) -> Option<Fact> {
         let since = now.saturating_sub(from >> 1);
-        let late = from != NONE && since >= longest;
+        let late = from != NONE && since > self.longest;
         let first = || self.told.swap(from, Ordering::AcqRel) != from;
         (late && first()).then_some(Fact::Late { ns: since })
     }
 
     /// Whether it did not come in time, seen from outside.
     pub(super) fn look(&self, now: u64) -> Option<Fact> {
-        self.is_late(self.from.load(Ordering::Acquire), now, self.longest)
+        self.is_late(self.from.load(Ordering::Acquire), now)
     }
 
     /// The date at which it will be too late.
     pub(super) fn due(&self) -> Option<u64> {
         let from = self.from.load(Ordering::Acquire);
         let waits = from != NONE && self.told.load(Ordering::Acquire) != from;
-        waits.then(|| (from >> 1).saturating_add(self.longest))
+        waits.then(|| (from >> 1).saturating_add(self.longest).saturating_add(1))
     }
 }
 
@@ -149,12 +149,12 @@ mod tests {
             let beat = Beat::new(0, (8, 12), false, sole);
             assert_eq!((beat.due(), beat.look(100)), (None, None), "nothing is waited for yet");
             beat.awaits_always(100);
-            assert_eq!(beat.due(), Some(112));
+            assert_eq!(beat.due(), Some(113));
             assert_eq!(beat.hear(Pulse::Beats, 103), None, "the first may come at once");
             assert_eq!(beat.hear(Pulse::Beats, 110), Some(Fact::Soon { ns: 7 }));
             assert_eq!(beat.hear(Pulse::Beats, 122), None, "the longest time is in time");
-            assert_eq!(beat.look(133), None);
-            assert_eq!(beat.look(134), Some(Fact::Late { ns: 12 }));
+            assert_eq!(beat.look(134), None, "it may come at this date");
+            assert_eq!(beat.look(135), Some(Fact::Late { ns: 13 }));
             assert_eq!((beat.look(140), beat.due()), (None, None));
             assert_eq!(beat.hear(Pulse::Beats, 150), None, "it was told");
             assert_eq!(beat.hear(Pulse::Beats, 163), Some(Fact::Late { ns: 13 }));
@@ -174,7 +174,7 @@ mod tests {
             assert_eq!((fact, beat.due(), beat.look(1_000)), (None, None, None), "{end}");
             // The next activity is waited for as ever.
             assert_eq!(beat.hear(Pulse::Begins, 2_000), None);
-            assert_eq!(beat.look(2_012), Some(Fact::Late { ns: 12 }));
+            assert_eq!(beat.look(2_013), Some(Fact::Late { ns: 13 }));
         }
     }
 
@@ -186,7 +186,7 @@ mod tests {
             assert_eq!((beat.due(), beat.hear(Pulse::Beats, 5)), (None, None));
             assert_eq!(beat.hear(Pulse::Begins, 10), None);
             assert_eq!(beat.hear(Pulse::Begins, 15), None);
-            assert_eq!(beat.due(), Some(22));
+            assert_eq!(beat.due(), Some(23));
             assert_eq!(beat.hear(Pulse::Ends, 20), None);
             assert_eq!(beat.hear(Pulse::Ends, 25), Some(Fact::Late { ns: 15 }));
             assert_eq!((beat.due(), beat.look(90)), (None, None));

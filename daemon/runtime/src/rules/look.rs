@@ -122,7 +122,9 @@ impl Engine {
         let mut late = entry.late;
         for (rank, since, limit) in rules.of_activity(service, accepted, asked) {
             let ns = now.saturating_sub(since);
-            if ns >= limit && late & 1 << rank == 0 {
+            // One that ends at the limit has not taken longer: on a stepped clock that end may come after
+            // this look, at the same date.
+            if ns > limit && late & 1 << rank == 0 {
                 late |= 1 << rank;
                 let fact = match rules.all[rank].rule {
                     Rule::Stop { .. } => Fact::Stop { service, ns },
@@ -146,7 +148,7 @@ impl Engine {
             let service = entry.service.filter(|_| !answered)?;
             let limits = rules.of_activity(service, entry.accepted, entry.asked);
             let left = limits.filter(|(rank, ..)| entry.late & 1 << rank == 0);
-            left.map(|(_, since, limit)| since.saturating_add(limit)).min()
+            left.map(|(_, since, limit)| since.saturating_add(limit).saturating_add(1)).min()
         };
         let beat = rules.next_beat().filter(|_| self.awaits_beats(control));
         control.entries.iter().filter_map(of).chain(beat).min()
