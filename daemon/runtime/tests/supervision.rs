@@ -122,7 +122,7 @@ fn a_task_that_misses_ticks_within_a_window_is_told_and_its_activities_stop_at_t
 }
 
 #[test]
-fn an_activity_over_its_time_is_told_at_that_date_once_and_asked_to_stop() {
+fn an_activity_over_its_time_is_told_as_soon_as_it_is_once_and_asked_to_stop() {
     let body = Closures::new(GEN, &events(&ORDINARY));
     let service = body.plan.service("long_one").unwrap();
     let rule = Rule::Activity { service, longest: Duration::from_millis(25) };
@@ -135,7 +135,7 @@ fn an_activity_over_its_time_is_told_at_that_date_once_and_asked_to_stop() {
     assert_eq!(next(&long), "::genom::interrupted {\"by\":\"supervision\"}");
     let all = told.all();
     assert_eq!(all.len(), 1);
-    assert_eq!((all[0].date, all[0].activity), (25_000_000, Some(3)));
+    assert_eq!((all[0].date, all[0].activity), (25_000_001, Some(3)));
     assert_eq!(all[0].what, "activity long_one has taken 25.0 ms");
     instance.shutdown(LONG).unwrap();
 }
