@@ -5,7 +5,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use genom_description::model::{Ix as _, ServiceIx, ServiceKind};
+use genom_description::model::{ServiceIx, ServiceKind};
 use genom_formal::{Fires, Limits, System, Times};
 use genom_runtime::{Plan, Rule, Supervised, Watcher};
 
