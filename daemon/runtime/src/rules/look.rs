@@ -122,8 +122,7 @@ impl Engine {
         let mut late = entry.late;
         for (rank, since, limit) in rules.of_activity(service, accepted, asked) {
             let ns = now.saturating_sub(since);
-            // One that ends at the limit has not taken longer: on a stepped clock that end may come after
-            // this look, at the same date.
+            // One that ends at this very date, which may come after this look, is in time.
             if ns > limit && late & 1 << rank == 0 {
                 late |= 1 << rank;
                 let fact = match rules.all[rank].rule {
