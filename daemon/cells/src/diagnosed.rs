@@ -4,7 +4,6 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::Duration;
 
 use genom_middleware::{Diagnosis, Health, Part};
 use genom_registry::Backends;
@@ -13,15 +12,12 @@ use tokio::time::{MissedTickBehavior, interval};
 
 use crate::cells::Cells;
 
-/// How often it is told, as is usual on `/diagnostics`.
-const ROUND: Duration = Duration::from_secs(1);
-
 impl Cells {
     /// From now on, middlewares are told how the processes of the components fare that are on them.
     pub fn diagnose(self: &Arc<Self>, supervisor: &Arc<Supervisor>) {
         let (cells, of) = (Arc::downgrade(self), Arc::downgrade(supervisor));
         tokio::spawn(async move {
-            let mut rounds = interval(ROUND);
+            let mut rounds = interval(Diagnosis::ROUND);
             rounds.set_missed_tick_behavior(MissedTickBehavior::Delay);
             loop {
                 rounds.tick().await;

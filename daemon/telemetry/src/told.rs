@@ -20,9 +20,6 @@ use crate::logs;
 /// Longest message that is told, in bytes; the rest is left out.
 const LONGEST: usize = 8 << 10;
 
-/// How often it is told how tasks fare, as is usual on `/diagnostics`.
-const ROUND: Duration = Duration::from_secs(1);
-
 /// Whom to tell of what.
 #[derive(Clone)]
 struct Telling {
@@ -64,7 +61,7 @@ impl Telling {
     }
 
     async fn diagnose(self) {
-        let mut rounds = interval(ROUND);
+        let mut rounds = interval(Diagnosis::ROUND);
         rounds.set_missed_tick_behavior(MissedTickBehavior::Delay);
         let mut missed = HashMap::new();
         loop {

@@ -1,6 +1,8 @@
 //! How tasks of components fare, and the processes that they are in, for middlewares whose tools
 //! show that.
 
+use std::time::Duration;
+
 use serde::{Deserialize, Serialize};
 
 /// How a part of a component fares.
@@ -16,6 +18,11 @@ pub struct Diagnosis {
     pub message: String,
     /// Figures, by their names with units.
     pub values: Vec<(String, String)>,
+}
+
+impl Diagnosis {
+    /// How often it is told how a component fares, as is usual on `/diagnostics` of ROS 2.
+    pub const ROUND: Duration = Duration::from_secs(1);
 }
 
 /// A part of a component that can fare well or badly.

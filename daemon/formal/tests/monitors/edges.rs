@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use genom_description::model::{ServiceIx, ServiceKind};
 use genom_formal::{Fires, Limits, System, Times};
-use genom_runtime::{Plan, Rule, Supervised, Watcher};
+use genom_runtime::{Plan, Rule};
 
 use super::play::{plan, play_with};
 use super::random::Random;
@@ -17,13 +17,6 @@ const RUNS: u64 = 120;
 
 /// Greater than any limit that is looked for, in steps of the clock.
 const MOST: u64 = 64;
-
-/// A rule at the edge of what can happen.
-struct Edge {
-    rule: Rule,
-    /// Whether it can be broken, as the model says.
-    can: bool,
-}
 
 /// The greatest limit in steps that can be broken, if the next one cannot; of a rule by its limit.
 fn greatest(system: &System, times: &Times, rule: impl Fn(u64) -> Rule) -> Option<u64> {
@@ -44,8 +37,9 @@ fn greatest(system: &System, times: &Times, rule: impl Fn(u64) -> Rule) -> Optio
     (broken > 0).then_some(broken)
 }
 
-/// Rules about activities, two of each kind.
-fn edges(plan: &Arc<Plan>, slots: usize) -> Vec<Edge> {
+/// Rules about activities, in pairs: one with the greatest limit that can be broken, as the model says,
+/// and one with the next.
+fn edges(plan: &Arc<Plan>, slots: usize) -> Vec<Rule> {
     let (system, times) = system(plan, slots);
     let mut all = Vec::new();
     let services = plan.component().services.pairs();
@@ -57,9 +51,9 @@ fn edges(plan: &Arc<Plan>, slots: usize) -> Vec<Edge> {
             |service, ms| Rule::Stop { service, longest: Duration::from_millis(ms) },
         ];
         for rule in of {
-            let Some(most) = greatest(&system, &times, |ms| rule(service, ms)) else { continue };
-            all.push(Edge { rule: rule(service, most), can: true });
-            all.push(Edge { rule: rule(service, most + 1), can: false });
+            if let Some(most) = greatest(&system, &times, |ms| rule(service, ms)) {
+                all.extend([rule(service, most), rule(service, most + 1)]);
+            }
         }
     }
     all
@@ -77,21 +71,15 @@ fn activities_take_as_long_in_the_runtime_as_the_model_says_and_never_a_step_lon
                 return;
             }
             all = edges(&plan, options.activity_limit);
-            let rules = all.iter().map(|edge| edge.rule.clone());
-            let rules = rules.map(|rule| Supervised { rule, interrupts: false });
-            options.rules = rules.collect();
-            clock = Some(options.clock.clone());
-            options.watcher = Some(Arc::clone(&broken) as Arc<dyn Watcher>);
+            clock = Some(broken.hear(&all, options));
         });
         let Some(clock) = clock else { continue };
-        // The shutdown comes at the last date, and most rules are not looked at then.
-        let (end, broken) = (clock.now(), broken.all());
-        for (at, Edge { rule, can }) in all.iter().enumerate() {
-            let counts = |date: u64| date < end || matches!(rule, Rule::Stop { .. });
-            let broken = broken.iter().any(|(rule, date)| *rule == at && counts(*date));
-            assert!(*can || !broken, "seed {seed}: {rule:?}\n{}", played.text);
-            looked += usize::from(!can);
-            reached += usize::from(*can && broken);
+        let broken = broken.counted(&all, clock.now());
+        for can in (0..all.len()).step_by(2) {
+            let cannot = can + 1;
+            assert!(!broken.contains(&cannot), "seed {seed}: {:?}\n{}", all[cannot], played.text);
+            looked += 1;
+            reached += usize::from(broken.contains(&can));
         }
     }
     // What can happen does not happen in each random run.

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use genom_description::model::{CodelIx, CodelKind, Ix as _, Owner, ServiceKind};
 use genom_formal::{Bounds, Duration as Takes, Fires, Limits, System, Times};
-use genom_runtime::{Beats, Change, Plan, Rule, Supervised, Watcher};
+use genom_runtime::{Beats, Change, Clock, Options, Plan, Rule, Supervised, Watcher};
 
 use super::play::play_with;
 use super::random::Random;
@@ -25,9 +25,22 @@ struct Kept {
 }
 
 impl Broken {
-    /// Ranks of the rules, and the dates.
-    pub(super) fn all(&self) -> Vec<(usize, u64)> {
-        self.0.lock().unwrap().all.clone()
+    /// Hears of these rules in a run with these options; returns the clock of the run.
+    pub(super) fn hear(self: &Arc<Self>, rules: &[Rule], options: &mut Options) -> Clock {
+        let rules = rules.iter().cloned();
+        let rules = rules.map(|rule| Supervised { rule, interrupts: false });
+        options.rules = rules.collect();
+        options.watcher = Some(Arc::clone(self) as Arc<dyn Watcher>);
+        options.clock.clone()
+    }
+
+    /// Ranks of those that were broken in a run that ended at this date. The shutdown comes then, and
+    /// most rules are not looked at any more.
+    pub(super) fn counted(&self, rules: &[Rule], end: u64) -> Vec<usize> {
+        let all = self.0.lock().unwrap().all.clone();
+        let counts =
+            |(rule, date): &(usize, u64)| *date < end || matches!(rules[*rule], Rule::Stop { .. });
+        all.into_iter().filter(counts).map(|(rule, _)| rule).collect()
     }
 }
 
@@ -123,23 +136,13 @@ fn what_the_runtime_says_is_broken_is_not_proved_to_be_unbreakable() {
         let mut clock = None;
         let played = play_with(seed, small, |plan, options| {
             all = rules(plan, &mut Random(seed));
-            let rules = all.iter().cloned();
-            let rules = rules.map(|rule| Supervised { rule, interrupts: false });
-            options.rules = rules.collect();
-            clock = Some(options.clock.clone());
-            options.watcher = Some(Arc::clone(&broken) as Arc<dyn Watcher>);
+            clock = Some(broken.hear(&all, options));
         });
         if played.slots > 2 {
             continue;
         }
         let (system, times) = system(&played.plan, played.slots);
-        // The shutdown comes at the last date, and most rules are not looked at then.
-        let (end, broken) = (clock.unwrap().now(), broken.all());
-        let broken: Vec<usize> = broken
-            .iter()
-            .filter(|(rule, date)| *date < end || matches!(all[*rule], Rule::Stop { .. }))
-            .map(|(rule, _)| *rule)
-            .collect();
+        let broken = broken.counted(&all, clock.unwrap().now());
         for (at, rule) in all.iter().enumerate() {
             let kind = match rule {
                 Rule::Activity { .. } => 0,
