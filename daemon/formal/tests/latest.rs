@@ -126,3 +126,44 @@ fn tasks_that_the_latest_dates_show_to_be_in_time_are_in_time() {
     }
     assert!(compared > 20 && exact > 5, "{compared} {exact}");
 }
+
+/// Two activities of `t0`, and one of `t1` for which the second one waits: together they are late, and
+/// any two of them are not.
+fn three(interrupts: [&str; 3]) -> String {
+    let activity = |name: &str, task: &str, codel: &str, others: &str| {
+        format!(
+            " activity {name}() {{ task {task}; interrupts {name}{others};
+               codel<start> {name}_start{codel}; }};"
+        )
+    };
+    format!(
+        "component c {{ ids {{ long m; }};
+           task t0 {{ period 10 ms; codel<start> p() yield pause::start wcet 1 ms; }};
+           task t1 {{ period 20 ms; codel<start> q() yield pause::start wcet 3 ms; }};
+         {}{}{} }};",
+        activity("x", "t0", "() yield pause::start wcet 2 ms", interrupts[0]),
+        activity("y", "t0", "(inout m) yield pause::start wcet 3500 us", interrupts[1]),
+        activity("z", "t1", "(inout m) yield pause::start wcet 4 ms", interrupts[2]),
+    )
+}
+
+#[test]
+fn activities_of_which_one_interrupts_another_may_both_have_begun() {
+    let not_late = |interrupts: [&str; 3], limits: &Limits| {
+        let bounds = Bounds { instances: 1, kill: false, abort: false, ..Bounds::default() };
+        let system = support::system(&three(interrupts), bounds, true);
+        let found = system.check_ticks(&system.declared_times(), limits);
+        let task = found.tasks.iter().find(|one| one.name == "t0").unwrap();
+        !task.is_late() && !task.is_open()
+    };
+    let few = Limits { states: 20, ..limits() };
+    // Who interrupts was sent before: `x`, then `z`, then `y`.
+    for interrupts in [["", "", ""], ["", "", ", y"], [", z", "", ""], [", z", "", ", y"]] {
+        assert!(!not_late(interrupts, &limits()), "{interrupts:?}");
+        assert!(!not_late(interrupts, &few), "{interrupts:?}");
+    }
+    // Each of the two interrupts the other one, or there is no order of the three.
+    for interrupts in [["", ", z", ", y"], ["", ", x, z", ", x"], [", y", ", z", ", x"]] {
+        assert_eq!(not_late(interrupts, &few), not_late(interrupts, &limits()), "{interrupts:?}");
+    }
+}
