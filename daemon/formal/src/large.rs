@@ -83,8 +83,9 @@ impl System {
                 task.slowest.clear();
             }
         }
+        let mut latest = Vec::new();
         if report.tasks.iter().any(|task| task.open) {
-            let latest = self.latest(times);
+            latest = self.latest(times);
             for (task, found) in tasks.iter().zip(&mut report.tasks) {
                 if let (true, Some(latest)) = (found.open, &latest[usize::from(*task)]) {
                     (found.open, found.response, found.bound) = (false, Some(latest.cycle), true);
@@ -101,7 +102,9 @@ impl System {
             let run = parts.iter().zip(1..).find_map(|(part, number)| {
                 let limits = all.share(seek_begin, parts.len() - number);
                 let limits = Limits { states: limits.states.min(ZONES), ..limits };
-                seek(part, times, &limits, &Potential::new(part, times, *task)?)
+                self.with_cycles(times, *task, &latest, |longest| {
+                    seek(part, times, &limits, &Potential::new(part, times, *task, longest)?)
+                })
             });
             if let Some(run) = run {
                 (found.overrun, found.spent) = self.overrun(times, &run, *task);

@@ -7,38 +7,38 @@
 use std::cell::RefCell;
 use std::collections::HashMap;
 
-use genom_timing::common;
-
 use super::contexts::{Adds, Contexts};
 use super::walk::{Dates, Does, Enters, Latest, Walk};
 use crate::codels::small;
 use crate::system::System;
 use crate::timed::Times;
+use genom_timing::common;
+
+/// How long a cycle gets that begins with these activities.
+pub(crate) type Longest<'a> = dyn Fn(&[(u16, Does)]) -> u64 + 'a;
 
 /// Ticks of a task, from one date at which all tick to the next.
 const TICKS: u64 = 64;
+/// Lists of activities whose cycles are walked through for one search: more would take too long.
+const LISTS: usize = 1_000;
 
 impl System {
     /// The latest dates of the cycles of periodic tasks while requests are served, each task on a
     /// processor of its own; `None` for a task that may not be over by its next tick.
     pub(crate) fn latest(&self, times: &Times) -> Vec<Option<Latest>> {
-        let contexts = Contexts::new(self);
         let mut known: Vec<Option<Latest>> = vec![None; self.periods.len()];
-        // Events put places beside those that an activity has.
-        let events = self.bounds.fire && !self.sinks.is_empty();
-        if self.by_period || events || !self.starts_in_time(times, &contexts) {
-            return known;
-        }
-        let all = 0..small(known.len());
-        let linked: Vec<_> =
-            all.clone().map(|task| contexts.linked(task, contexts.of(task))).collect();
-        let facts: Vec<Facts<'_>> =
-            all.map(|task| Facts::new(self, times, (&contexts, &linked), task)).collect();
+        let contexts = Contexts::new(self);
+        let Some(linked) = self.linked(times, &contexts) else { return known };
+        let facts = Facts::all(self, times, (&contexts, &linked));
         for _ in 0..=known.len() {
             let mut better = false;
             for task in 0..small(known.len()) {
                 let index = usize::from(task);
-                let found = self.latest_of(times, task, (&facts, &linked), &known);
+                let period = self.periods[index].map_or(0, |own| own.period);
+                let in_time = |walk: Walk<'_>| {
+                    walk.from(Vec::new(), true).filter(|found| found.cycle < period)
+                };
+                let found = self.at_ticks(times, task, (&facts, &linked), &known, &in_time);
                 let before = known[index].as_ref();
                 let sum =
                     |one: &Latest| one.left.iter().fold(one.cycle, |a, b| a.saturating_add(*b));
@@ -55,8 +55,41 @@ impl System {
         known
     }
 
+    /// For each task, what it may wait for; `None` if dates cannot be told.
+    fn linked(&self, times: &Times, contexts: &Contexts) -> Option<Vec<Vec<u16>>> {
+        // Events put places beside those that an activity has.
+        let events = self.bounds.fire && !self.sinks.is_empty();
+        let dated = !self.by_period && !events && self.starts_in_time(times, contexts);
+        let all = 0..small(self.periods.len());
+        dated.then(|| all.map(|task| contexts.linked(task, contexts.of(task))).collect())
+    }
+
+    /// What `then` makes of how long the cycles of a task get that begin with some activities.
+    pub(crate) fn with_cycles<T>(
+        &self,
+        times: &Times,
+        task: u16,
+        known: &[Option<Latest>],
+        then: impl FnOnce(&Longest<'_>) -> T,
+    ) -> T {
+        let contexts = Contexts::new(self);
+        let Some(linked) = self.linked(times, &contexts) else { return then(&|_| u64::MAX) };
+        let facts = Facts::all(self, times, (&contexts, &linked));
+        let found = RefCell::new(HashMap::<Vec<(u16, Does)>, u64>::new());
+        then(&|runs| {
+            if let Some(cycle) = found.borrow().get(runs) {
+                return *cycle;
+            }
+            let from = |walk: Walk<'_>| walk.from(runs.to_vec(), false);
+            let all = || self.at_ticks(times, task, (&facts, &linked), known, &from);
+            let latest = (found.borrow().len() < LISTS).then(all).flatten();
+            let cycle = latest.map_or(u64::MAX, |latest| latest.cycle);
+            *found.borrow_mut().entry(runs.to_vec()).or_insert(cycle)
+        })
+    }
+
     /// Whether the first service interrupts the second one.
-    pub(super) fn interrupts(&self, service: u16, other: u16) -> bool {
+    pub(crate) fn interrupts(&self, service: u16, other: u16) -> bool {
         self.services[usize::from(service)].interrupts[usize::from(other)]
     }
 
@@ -80,12 +113,13 @@ impl System {
     }
 
     /// From each tick that differs from others in where those of other tasks are.
-    fn latest_of(
+    fn at_ticks(
         &self,
         times: &Times,
         task: u16,
         (facts, linked): (&[Facts<'_>], &[Vec<u16>]),
         known: &[Option<Latest>],
+        walks: &dyn Fn(Walk<'_>) -> Option<Latest>,
     ) -> Option<Latest> {
         let own = self.periods[usize::from(task)]?;
         let mut others = self.periods.iter().flatten();
@@ -106,10 +140,7 @@ impl System {
                 let arrival = Arrival { task, begins, dates, all, beside, facts, known };
                 arrival.enters(node)
             };
-            let found = Walk::new(self, times, task, (&enters, linked), &[]).all()?;
-            if found.cycle >= own.period {
-                return None;
-            }
+            let found = walks(Walk::new(self, times, task, (&enters, linked), &[]))?;
             latest = Some(match latest {
                 None => found,
                 Some(mut all) => {
@@ -219,6 +250,14 @@ struct Facts<'a> {
 }
 
 impl<'a> Facts<'a> {
+    fn all(
+        system: &'a System,
+        times: &'a Times,
+        with: (&'a Contexts, &'a [Vec<u16>]),
+    ) -> Vec<Self> {
+        (0..small(with.1.len())).map(|task| Self::new(system, times, with, task)).collect()
+    }
+
     fn new(
         system: &'a System,
         times: &'a Times,
@@ -255,7 +294,7 @@ impl<'a> Facts<'a> {
                 dates.now.saturating_add(waits[usize::from(node)])
             };
             let with = (&enters as &Enters<'_>, self.linked);
-            Walk::new(self.system, self.times, self.task, with, beside).all()
+            Walk::new(self.system, self.times, self.task, with, beside).from(Vec::new(), true)
         });
         latest.as_ref().map(|latest| latest.left[usize::from(node)])
     }

@@ -5,12 +5,11 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-use rustc_hash::FxBuildHasher;
-
 use crate::action::Answer;
 use crate::codels::small;
 use crate::system::System;
 use crate::timed::Times;
+use rustc_hash::FxBuildHasher;
 
 /// Places of cycles that are looked at for one task.
 const MOST: usize = 100_000;
@@ -26,7 +25,7 @@ pub(crate) struct Latest {
 
 /// What an activity does in the rest of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Does {
+pub(crate) enum Does {
     /// Begins, with the codel of `start`.
     Begins,
     /// Executes the codel of this state in the next pass, or `stop` if it is asked to and was not.
@@ -97,13 +96,12 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// `None` if there are too many cycles.
-    pub(super) fn all(mut self) -> Option<Latest> {
+    /// With these activities at the tick, and if `first`, any behind them; `None` if that is too many.
+    pub(super) fn from(mut self, runs: Vec<(u16, Does)>, mut first: bool) -> Option<Latest> {
         // Places of the tick's pass by the number of activities in it, then those of later passes.
         let begin = Dates { now: 0, left: vec![0; self.system.periods.len()].into() };
-        let mut present = Places::from_iter([((Vec::new(), 0, false, false), begin)]);
+        let mut present = Places::from_iter([((runs, 0, false, false), begin)]);
         let (mut later, mut looked) = (Places::default(), 0);
-        let mut first = true;
         while !present.is_empty() {
             let mut next = Places::default();
             looked += present.len();

@@ -1,28 +1,32 @@
 //! How long a cycle of a task may still get, by what each of its activities may execute.
 
 use super::clocks::Clock;
+use super::explore::works;
 use super::times::Times;
-use crate::schedule::Dearest;
-use crate::state::{At, Life, Mode, Run, State};
+use crate::schedule::{Dearest, Does, Longest};
+use crate::state::{At, Life, Mode, Pc, Run, State};
 use crate::system::System;
 use genom_timing::Zone;
 
-use super::explore::works;
-
 /// What each state of the machines of a task may lead to in one cycle.
-pub(crate) struct Potential {
-    task: u16,
+pub(crate) struct Potential<'a> {
+    pub(super) task: u16,
+    pub(super) period: u64,
     dearest: Dearest,
+    longest: &'a Longest<'a>,
 }
 
-impl Potential {
+impl<'a> Potential<'a> {
     /// `None` if a cycle may have no end.
-    pub(crate) fn new(system: &System, times: &Times, task: u16) -> Option<Self> {
-        Some(Self { task, dearest: Dearest::new(system, times, task)? })
-    }
-
-    pub(super) fn task(&self) -> u16 {
-        self.task
+    pub(crate) fn new(
+        system: &System,
+        times: &Times,
+        task: u16,
+        longest: &'a Longest<'a>,
+    ) -> Option<Self> {
+        let dearest = Dearest::new(system, times, task)?;
+        let period = system.periods[usize::from(task)]?.period;
+        Some(Self { task, period, dearest, longest })
     }
 
     /// The longest time from its tick to the end of the cycle that a task is in, or of its next one
@@ -35,15 +39,16 @@ impl Potential {
         (clocks, zone): (&[Clock], &Zone),
     ) -> u64 {
         let me = &state.tasks[usize::from(self.task)];
-        if !works(state, usize::from(self.task)) {
-            let sent = me.runs.iter().chain(&me.inbox);
-            let waiting = state.pending.iter().filter_map(|pending| {
-                let machine = system.services[usize::from(pending.service)].machine?;
-                let own = system.machines[usize::from(machine)].task == self.task;
-                own.then(|| self.dearest.begun(machine))
-            });
-            let runs = sent.map(|run| self.run(system, run, true, None));
-            return runs.chain(waiting).fold(0, u64::saturating_add);
+        let begins = matches!(me.at, At::Begin { tick: true });
+        if begins || !works(state, usize::from(self.task)) {
+            let waiting = self.waiting(system, state);
+            let stays = |run: &&Run| !self.is_stopped(system, run, &waiting);
+            let sent = || me.runs.iter().chain(&me.inbox).filter(stays);
+            let runs = sent().map(|run| self.run(system, run, true, None));
+            let more = waiting.iter().map(|machine| self.dearest.begun(*machine));
+            let sum = runs.chain(more).fold(0, u64::saturating_add);
+            let listed = if sum < self.period { None } else { listed(system, sent(), &waiting) };
+            return listed.map_or(sum, |runs| sum.min((self.longest)(&runs)));
         }
         let present = match me.at {
             At::Codel { run, place } => Some((run, place)),
@@ -51,10 +56,38 @@ impl Potential {
         };
         let runs = me.runs.iter().zip(0u16..).map(|(run, at)| {
             let present = present.filter(|(of, _)| *of == at).map(|(_, place)| place);
-            self.run(system, run, matches!(me.at, At::Begin { tick: true }), present)
+            self.run(system, run, false, present)
         });
         let rest = runs.fold(0, u64::saturating_add);
         self.ends(times, state, (clocks, zone)).saturating_add(rest)
+    }
+
+    /// When what the task executes ends, from the tick before on; or how old its last tick may be.
+    pub(super) fn progress(
+        &self,
+        times: &Times,
+        state: &State,
+        (clocks, zone): (&[Clock], &Zone),
+    ) -> u64 {
+        let before = if works(state, usize::from(self.task)) { self.period } else { 0 };
+        before.saturating_add(self.ends(times, state, (clocks, zone)))
+    }
+
+    /// Machines of activities that were requested and not sent to the task.
+    fn waiting(&self, system: &System, state: &State) -> Vec<u16> {
+        let served = state.workers.iter().filter(|worker| worker.pc != Pc::Wake(false));
+        let pending = state.pending.iter().map(|pending| pending.service);
+        let all = pending
+            .chain(served.map(|worker| worker.service))
+            .filter_map(|service| system.services[usize::from(service)].machine);
+        all.filter(|one| system.machines[usize::from(*one)].task == self.task).collect()
+    }
+
+    /// Whether a run is stopped before these activities are sent.
+    fn is_stopped(&self, system: &System, run: &Run, waiting: &[u16]) -> bool {
+        let service = |machine: u16| system.machines[usize::from(machine)].service;
+        let mut others = waiting.iter().filter_map(|machine| service(*machine));
+        service(run.machine).is_some_and(|own| others.any(|other| system.interrupts(other, own)))
     }
 
     /// What a run may cost from where it is on, without the place that is executed.
@@ -108,4 +141,28 @@ impl Potential {
         let queue = queue.map(|(_, node)| most(*node)).fold(0, u64::saturating_add);
         held.unwrap_or(now).saturating_add(queue).saturating_add(most(node))
     }
+}
+
+/// What runs do at the next tick of their task, and activities that begin then; `None` in the start-up.
+fn listed<'r>(
+    system: &System,
+    runs: impl Iterator<Item = &'r Run>,
+    waiting: &[u16],
+) -> Option<Vec<(u16, Does)>> {
+    let mut all = Vec::new();
+    for run in runs {
+        let machine = &system.machines[usize::from(run.machine)];
+        let stopped = run.life == Life::Stop;
+        let does = match (run.life, run.places.first().map(|place| (place.mode, place.state))) {
+            (Life::Init, _) if machine.service.is_some() => Does::Begins,
+            (Life::Init, _) | (_, Some((Mode::Ready | Mode::Done, _))) => return None,
+            (Life::Run, _) if run.asked => Does::Ready { state: machine.stop, stopped: true },
+            (Life::Run | Life::Stop, Some((Mode::Paused, state))) => Does::Ready { state, stopped },
+            (Life::Run, Some((Mode::Asleep, _))) => Does::Rests,
+            _ => continue,
+        };
+        all.push((run.machine, does));
+    }
+    all.extend(waiting.iter().map(|machine| (*machine, Does::Begins)));
+    Some(all)
 }

@@ -1,5 +1,5 @@
-//! A search for a tick that comes while its task is at work: what may take longest is looked at first.
-//!
+//! A search for a tick that comes while its task is at work: of what may take longest, and of what has
+//! come farthest in a cycle that may be late, in turn. The codels of the task take their longest times.
 //! Steps for which no time passes come at once: those of control and workers before all others, since
 //! the runtime takes them by itself, and all of them before ticks of the same date. So the runtime
 //! plays what is found; and what this leaves out differs in nothing but the order at one date.
@@ -8,34 +8,40 @@ use std::collections::BinaryHeap;
 use std::time::Instant;
 
 use super::clocks::{Clock, clocks, guarded, initial, is_urgent, stepped};
+use super::dates::dates;
 use super::explore::{Timed, works};
 use super::potential::Potential;
 use super::table::Table;
 use super::times::Times;
 use crate::action::Action;
 use crate::explore::Limits;
-use crate::state::State;
+use crate::state::{Phase, State};
 use crate::system::System;
 
-/// A node that was found and not looked at: the longest cycle that may come of it, whether that
-/// cycle goes on already, and its number, the last one first of equal ones.
-type Open = (u64, bool, u32);
+/// Nodes that were found and not looked at, with what comes first of them; the last one of equal ones.
+type Open = BinaryHeap<((u64, u64), u32)>;
 
 /// A run in which this task is late, if one is found within the limits.
 pub(crate) fn seek(
     system: &System,
     times: &Times,
     limits: &Limits,
-    potential: &Potential,
+    potential: &Potential<'_>,
 ) -> Option<Vec<(State, Action)>> {
     let begin = Instant::now();
-    let task = potential.task();
-    let (mut table, mut open) = (Table::default(), BinaryHeap::<Open>::new());
+    let task = potential.task;
+    let (given, times) = (times, &times.longest_of(system, task));
+    let (mut table, mut open) = (Table::default(), [Open::new(), Open::new()]);
     let first = system.initial(false);
     let zone = initial(system, times, &first)?;
-    open.extend(table.add(&first, zone, (0, 0)).map(|number| (0, false, number)));
-    let (mut looked, mut told, mut next) = (0, Vec::new(), first);
-    while let Some((.., number)) = open.pop() {
+    open[0].extend(table.add(&first, zone, (0, 0)).map(|number| ((0, 0), number)));
+    let (mut looked, mut told, mut next, mut done) = (0, Vec::new(), first, Vec::new());
+    let mut turns = [0, 1].into_iter().cycle();
+    while let Some((_, number)) = turns.by_ref().take(2).find_map(|at| open[at].pop()) {
+        done.resize(table.len(), false);
+        if std::mem::replace(&mut done[number as usize], true) {
+            continue;
+        }
         let Some((state, zone)) = table.get(number) else { continue };
         let zone = zone.clone();
         let before = clocks(system, times, &state);
@@ -49,7 +55,10 @@ pub(crate) fn seek(
                 continue;
             };
             if Timed::is_late(&state, *action) == Some(task) {
-                return Some(table.run_to(system, (number, *action)));
+                let run = table.run_to(system, (number, *action));
+                if is_played(&run, &dates(system, given, &run)) {
+                    return Some(run);
+                }
             }
             system.after_into(&mut next, &state, *action, &mut told);
             told.clear();
@@ -59,9 +68,13 @@ pub(crate) fn seek(
                 continue;
             };
             let most = potential.of(system, times, &next, (&after, &zone));
-            let goes_on = works(&next, usize::from(task));
-            let added = table.add(&next, zone, (number, step));
-            open.extend(added.map(|number| (most, goes_on, number)));
+            let goes_on = u64::from(works(&next, usize::from(task)));
+            let progress = potential.progress(times, &next, (&after, &zone));
+            let Some(number) = table.add(&next, zone, (number, step)) else { continue };
+            open[0].push(((most, goes_on), number));
+            let may_be_late = most >= potential.period;
+            let far = if may_be_late { progress } else { u64::from(u32::MAX - number) };
+            open[1].push(((u64::from(may_be_late), far), number));
         }
         looked += 1;
         if limits.passed(table.len(), table.bytes, looked, begin).is_some() {
@@ -74,4 +87,15 @@ pub(crate) fn seek(
 /// Whether no script says when this happens: it does as soon as it can.
 fn is_first(action: &Action) -> bool {
     matches!(action, Action::Start | Action::Advance | Action::Wake(_) | Action::Proceed(_))
+}
+
+/// Whether the runtime plays this: it does not keep a tick at the very date at which its task starts.
+fn is_played(run: &[(State, Action)], dates: &[u64]) -> bool {
+    let steps = || run.iter().zip(dates);
+    let ticks =
+        |task, date| steps().any(|((_, one), tick)| *one == Action::Tick(task) && tick == date);
+    !steps().any(|((state, action), date)| {
+        let Phase::Starting(task) = state.phase else { return false };
+        *action == Action::Start && ticks(task, date)
+    })
 }

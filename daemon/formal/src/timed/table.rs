@@ -12,7 +12,8 @@ use genom_timing::Zone;
 
 /// Bytes that are taken for each node, with its place among those that a search has still to look
 /// at, and for each state, whose list of nodes begins with four.
-const NODE: usize = listed::<Node>() + listed::<u32>() + PIECE + listed::<(u64, bool, u32)>();
+const NODE: usize =
+    listed::<Node>() + listed::<u32>() + PIECE + 2 * listed::<((u64, u64), u32)>() + 2;
 const STATE: usize = ENTRY + listed::<Vec<u32>>() + 4 * size_of::<u32>() + PIECE;
 
 /// A state with values of its clocks.

@@ -73,6 +73,17 @@ impl Times {
         other
     }
 
+    /// The same, with all codels of a task for their longest times.
+    pub(super) fn longest_of(&self, system: &System, task: u16) -> Self {
+        let mut other = self.clone();
+        let own = system.machines.iter().filter(|machine| machine.task == task);
+        for codel in own.flat_map(|machine| machine.codels.iter().flatten()) {
+            let duration = &mut other.codels[usize::from(*codel)];
+            duration.least = duration.most.unwrap_or(duration.least);
+        }
+        other
+    }
+
     /// Duration of a node; data transfers take no time.
     pub(crate) fn of(&self, node: u16) -> Duration {
         let codel = self.codels.get(usize::from(node));
