@@ -23,21 +23,25 @@ impl Judge {
     /// more than one.
     #[must_use]
     pub fn noted(&self) -> Option<Vec<(Bounds, bool)>> {
-        self.pasts.iter().map(|past| Some((past.of_one_date()?, past.any()))).collect()
+        let noted = |past: &Past| {
+            let bounds = past.bounds();
+            (!bounds.of_many_dates()).then(|| (bounds, self.state.has_noted(past)))
+        };
+        self.state.noted.pasts.iter().map(noted).collect()
     }
 
     /// As [`Judge::hear`], if the dates that are noted are so long ago, in the order of
     /// [`Judge::noted`].
     pub fn hear_after(&mut self, letter: usize, ages: &[u64]) -> (Option<usize>, Vec<Noted>) {
-        for (past, age) in self.pasts.iter_mut().zip(ages) {
+        for (past, age) in self.state.noted.pasts.iter_mut().zip(ages) {
             past.move_to(NOW.saturating_sub(*age));
         }
         let wrong = self.hear(letter, NOW);
         let noted = |past: &Past| match past.date() {
-            None => Noted::None,
             Some(NOW) => Noted::Now,
-            Some(_) => Noted::Before,
+            _ if self.state.has_noted(past) => Noted::Before,
+            _ => Noted::None,
         };
-        (wrong, self.pasts.iter().map(noted).collect())
+        (wrong, self.state.noted.pasts.iter().map(noted).collect())
     }
 }

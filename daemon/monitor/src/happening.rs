@@ -105,7 +105,7 @@ pub struct Hearers<T> {
     all: Box<[T]>,
 }
 
-impl<T: Copy> Hearers<T> {
+impl<T: Clone> Hearers<T> {
     /// Of a list of who hears what.
     #[must_use]
     pub fn new(numbers: &Numbers, given: &[(Happening, T)]) -> Self {
@@ -115,7 +115,7 @@ impl<T: Copy> Hearers<T> {
         let list = |number: usize| {
             let begin = all.len();
             let own = given.iter().filter(|(what, _)| numbers.of(*what) == number);
-            all.extend(own.map(|(_, who)| *who));
+            all.extend(own.map(|(_, who)| who.clone()));
             let small = |at: usize| u32::try_from(at).unwrap_or(u32::MAX);
             small(begin)..small(all.len())
         };

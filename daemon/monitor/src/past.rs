@@ -13,6 +13,21 @@ pub struct Bounds {
 }
 
 impl Bounds {
+    /// Any time.
+    pub(crate) const EVER: Self = Self { least: 0, most: u64::MAX };
+
+    /// Whether so long ago is between them.
+    #[inline]
+    fn are_around(self, ago: u64) -> bool {
+        // What is nearer than the least becomes greater than all.
+        ago.wrapping_sub(self.least) <= self.most - self.least
+    }
+
+    /// Whether one date is not enough to tell whether some date is between them.
+    pub(crate) fn of_many_dates(self) -> bool {
+        self.least > 0 && self.most < u64::MAX
+    }
+
     /// Dates to be kept. If of three dates the first and the last are no farther from each other
     /// than the two bounds, an interval with the second one has another one, too, so that the
     /// second need not be kept: at most two are within each such interval. `None` if that are too
@@ -29,114 +44,104 @@ impl Bounds {
     }
 }
 
-/// The dates at which something held.
-#[derive(Clone, Debug)]
-pub(crate) struct Past {
-    bounds: Bounds,
-    kept: Kept,
-    /// How many dates are kept.
-    count: usize,
-    /// The date that is kept, where one is enough.
-    date: u64,
-    /// Otherwise, of these the first `count`, in order.
-    dates: Box<[u64]>,
-}
-
-/// Which dates are kept.
+/// A date at which something held, where one is enough: the last one, which is the nearest, or the
+/// first one, which is the farthest.
 #[derive(Clone, Copy, Debug)]
-enum Kept {
-    /// The last one, which is the nearest.
-    Last,
-    /// The first one, which is the farthest.
-    First,
-    /// Those that bounds so far from each other need.
-    Between(u64),
+pub(crate) struct Past {
+    date: u64,
+    bounds: Bounds,
+    /// A date is kept.
+    is_there: bool,
+    keeps_first: bool,
+    /// The part that notes it.
+    pub(crate) part: u8,
+    /// Which of the lists of dates is its, if it needs one.
+    pub(crate) list: Option<u8>,
 }
 
 impl Past {
-    pub(crate) fn new(bounds: Bounds) -> Self {
-        let (kept, room) = match bounds {
-            Bounds { least: 0, .. } => (Kept::Last, 0),
-            Bounds { most: u64::MAX, .. } => (Kept::First, 0),
-            Bounds { least, most } => {
-                (Kept::Between(most.saturating_sub(least)), bounds.dates().unwrap_or(1))
-            }
-        };
-        Self { bounds, kept, count: 0, date: 0, dates: vec![0; room].into_boxed_slice() }
+    /// None yet.
+    pub(crate) fn new(part: u8, bounds: Bounds, list: Option<u8>) -> Self {
+        Self { date: 0, bounds, is_there: false, keeps_first: bounds.least > 0, part, list }
     }
 
-    /// It holds at this date, which is none before those of earlier calls.
+    /// It holds at this date, which is none before those of earlier calls; or, with `false`, what was
+    /// noted is gone.
     #[inline]
-    pub(crate) fn add(&mut self, now: u64) {
-        match self.kept {
-            Kept::First if self.count > 0 => {}
-            Kept::Last | Kept::First => (self.date, self.count) = (now, 1),
-            Kept::Between(width) => self.add_between(now, width),
+    pub(crate) fn note(&mut self, holds: bool, now: u64) {
+        if !(self.keeps_first && self.is_there) {
+            self.date = now;
         }
+        self.is_there = holds;
     }
 
-    fn add_between(&mut self, now: u64, width: u64) {
-        let over = |date: &&u64| now.saturating_sub(**date) > self.bounds.most;
-        let gone = self.dates[..self.count].iter().take_while(over).count();
-        self.dates.copy_within(gone..self.count, 0);
-        self.count -= gone;
-        if self.count >= 2 && now.saturating_sub(self.dates[self.count - 2]) <= width {
-            self.count -= 1;
-        }
-        if self.count == self.dates.len() {
-            // Not to be: there is room for all.
-            self.dates.copy_within(1.., 0);
-            self.count -= 1;
-        }
-        self.dates[self.count] = now;
-        self.count += 1;
-    }
-
-    /// At an event: whether it held between the bounds before, unless `stays` did not hold at some
-    /// event after that.
+    /// Whether there is a date between the bounds before this one.
     #[inline]
-    pub(crate) fn goes_on(&mut self, stays: bool, holds: bool, now: u64) -> bool {
-        if !stays {
-            self.count = 0;
-        }
-        if holds {
-            self.add(now);
-        }
-        self.held(now)
+    pub(crate) fn is_within(&self, now: u64) -> bool {
+        self.is_there & self.bounds.are_around(now.saturating_sub(self.date))
     }
 
-    /// Its bounds, if one date is enough for them.
-    pub(crate) fn of_one_date(&self) -> Option<Bounds> {
-        (!matches!(self.kept, Kept::Between(_))).then_some(self.bounds)
+    pub(crate) fn bounds(&self) -> Bounds {
+        self.bounds
     }
 
-    /// The date that is kept, if there is one and one is enough.
+    /// The date that is kept, if one is.
     pub(crate) fn date(&self) -> Option<u64> {
-        (self.count > 0).then_some(self.date)
+        self.is_there.then_some(self.date)
     }
 
-    /// Puts another date in the place of the one that is kept.
+    /// Puts another date in its place.
     pub(crate) fn move_to(&mut self, date: u64) {
         self.date = date;
     }
+}
 
-    /// Whether it held at any date that counts.
-    pub(crate) fn any(&self) -> bool {
-        self.count > 0
+/// The dates at which something held, for bounds that need more than one.
+#[derive(Clone, Debug)]
+pub(crate) struct Dates {
+    bounds: Bounds,
+    /// Of these the first `count`, in order.
+    all: Box<[u64]>,
+    count: usize,
+}
+
+impl Dates {
+    pub(crate) fn new(bounds: Bounds) -> Self {
+        let room = bounds.dates().unwrap_or(1);
+        Self { bounds, count: 0, all: vec![0; room].into_boxed_slice() }
     }
 
-    /// Whether it held between the bounds before this date.
-    #[inline]
-    pub(crate) fn held(&self, now: u64) -> bool {
-        let Bounds { least, most } = self.bounds;
-        let within = |date: &u64| {
-            let ago = now.saturating_sub(*date);
-            least <= ago && ago <= most
-        };
-        match self.kept {
-            Kept::Last | Kept::First => self.count > 0 && within(&self.date),
-            Kept::Between(_) => self.dates[..self.count].iter().any(within),
+    /// As [`Past::note`].
+    pub(crate) fn note(&mut self, holds: bool, now: u64) {
+        if holds {
+            self.add(now);
+        } else {
+            self.count = 0;
         }
+    }
+
+    fn add(&mut self, now: u64) {
+        let over = |date: &&u64| now.saturating_sub(**date) > self.bounds.most;
+        let gone = self.all[..self.count].iter().take_while(over).count();
+        self.all.copy_within(gone..self.count, 0);
+        self.count -= gone;
+        let width = self.bounds.most.saturating_sub(self.bounds.least);
+        if self.count >= 2 && now.saturating_sub(self.all[self.count - 2]) <= width {
+            self.count -= 1;
+        }
+        if self.count == self.all.len() {
+            // Not to be: there is room for all.
+            self.all.copy_within(1.., 0);
+            self.count -= 1;
+        }
+        self.all[self.count] = now;
+        self.count += 1;
+    }
+
+    /// As [`Past::is_within`].
+    pub(crate) fn are_within(&self, now: u64) -> bool {
+        let mut ago = self.all[..self.count].iter().map(|date| now.saturating_sub(*date));
+        ago.any(|ago| self.bounds.are_around(ago))
     }
 }
 
@@ -156,16 +161,23 @@ mod tests {
         ) {
             let bounds = Bounds { least, most: if ever { u64::MAX } else { least + width } };
             if let Some(room) = bounds.dates() {
-                let (mut past, mut all, mut now) = (Past::new(bounds), Vec::new(), 0);
+                let (mut dates, mut all, mut now) = (Dates::new(bounds), Vec::new(), 0);
+                let mut one = Past::new(0, bounds, None);
                 for (step, holds) in steps {
                     now += step;
                     if holds {
-                        past.add(now);
+                        one.note(true, now);
+                        dates.note(true, now);
                         all.push(now);
                     }
                     let within = |date: &u64| (least..=bounds.most).contains(&(now - date));
-                    prop_assert_eq!(past.held(now), all.iter().any(within));
-                    prop_assert!(past.count <= room);
+                    let held = all.iter().any(within);
+                    if bounds.of_many_dates() {
+                        prop_assert_eq!(dates.are_within(now), held);
+                        prop_assert!(dates.count <= room);
+                    } else {
+                        prop_assert_eq!(one.is_within(now), held);
+                    }
                 }
             }
         }

@@ -70,10 +70,9 @@ impl Part {
         }
     }
 
-    /// The parts that its value at an event is made of, at that same event.
-    pub(crate) fn made_of_now(&self) -> impl Iterator<Item = usize> {
-        let before = matches!(self, Self::Previous(_));
-        self.made_of().into_iter().flatten().filter(move |_| !before)
+    /// Whether its value depends on what was before.
+    pub(crate) fn has_memory(&self) -> bool {
+        matches!(self, Self::Runs(_) | Self::Previous(_)) || self.bounds().is_some()
     }
 
     pub(crate) fn bounds(&self) -> Option<Bounds> {
@@ -121,8 +120,7 @@ impl Program {
     /// Whether it asks how long ago something was.
     #[must_use]
     pub fn has_bounds(&self) -> bool {
-        let any = Bounds { least: 0, most: u64::MAX };
-        self.parts.iter().filter_map(Part::bounds).any(|bounds| bounds != any)
+        self.parts.iter().filter_map(Part::bounds).any(|bounds| bounds != Bounds::EVER)
     }
 
     /// All that it has to hear of.

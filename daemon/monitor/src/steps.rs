@@ -2,272 +2,175 @@
 //!
 //! By what happens alone, many parts hold or do not: `codel a is called` does, `once[0, 1s] a` holds
 //! where `a` does; and others hold where another part does: `a -> b` where `b` does, if it is `a` that
-//! happens. So for each of what is heard there are steps of their own, for the parts whose values are
-//! to be looked up or noted then, and for no others: nobody asks for the values of all of them, and
-//! not all that happens is asked for later.
+//! happens. What is noted often follows, too: of `previous a`, `once a` and `b since a` it is one bit,
+//! which is set or not wherever `a` and `b` are known. All these bits are set at once, by masks. So
+//! for each of what is heard there are steps of their own, for what remains: dates that are noted or
+//! looked at then, and bits that depend on others. What nobody asks for takes no step.
+
+use std::sync::Arc;
+
+use genom_description::model::ServiceIx;
 
 use crate::happening::Happening;
+use crate::literals::Literals;
+use crate::needed::needed;
+use crate::past::Bounds;
 use crate::program::{Part, Program};
-use crate::value::{Value, values};
+use crate::step::{Step, What};
+use crate::value::{Value, both_of, values};
 
-/// One step.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Step {
-    /// The part whose value it finds.
-    pub(crate) part: u8,
-    pub(crate) what: What,
-}
-
-/// How a value is found. Services and dates are given by number.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum What {
-    /// The service of this part starts.
-    Starts,
-    /// It ends.
-    Ends,
-    Runs,
-    /// The part holds where another one does.
-    Same(Of),
-    And(Of, Of),
-    Or(Of, Of),
-    Previous(u8),
-    Once(u8, Of),
-    Historically(u8, Of),
-    Since(u8, Of, Of),
-}
-
-/// The value of a part, or its contrary.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Of(u8);
-
-impl Of {
-    const NOT: u8 = 0x80;
-
-    fn new(part: usize, negated: bool) -> Self {
-        Self(small(part) | if negated { Self::NOT } else { 0 })
-    }
-
-    /// Its value, if these parts hold.
-    #[inline]
-    pub(crate) fn holds(self, held: u64) -> bool {
-        (held >> (self.0 & 63) & 1 == 1) != (self.0 & Self::NOT != 0)
-    }
-}
-
-/// What one thing that is heard does to a formula.
+/// What is done about one thing that a formula hears. Parts are bits ([`crate::step`]).
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Heard {
-    pub(crate) steps: Vec<Step>,
-    /// The parts that hold by that alone, as bits.
-    pub(crate) holds: u64,
-    /// The formula holds if, after the steps, of these parts those and no others hold.
+pub struct Letter {
+    /// The number under which it is heard.
+    pub(crate) number: usize,
+    /// Bits that are as they were after the event before.
+    pub(crate) from: u64,
+    /// Bits that are set by this alone.
+    pub(crate) set: u64,
+    /// Parts with bounds, by their numbers: what was noted is gone; something is noted now; and
+    /// whether that is within the bounds is looked at.
+    pub(crate) gone: u64,
+    pub(crate) noted: u64,
+    pub(crate) looked: u64,
+    /// What depends on bits.
+    pub(crate) steps: Arc<[Step]>,
+    /// The formula holds if, after the steps, of these bits those and no others are set.
     pub(crate) looked_at: u64,
     pub(crate) wanted: u64,
-    /// The value of each part.
-    pub(crate) values: Vec<Value>,
+    /// After that, bits that stay for the next event, and others that are set at it.
+    pub(crate) stays: u64,
+    pub(crate) next: u64,
 }
 
-/// For each of what a program hears: what it does.
-pub(crate) fn steps(program: &Program, heard: &[Happening]) -> Vec<Heard> {
-    let parts = program.parts();
-    let values = values(program, heard);
-    let needed = needed(parts, heard, &values);
-    let one = |((what, values), needed): ((&Happening, Vec<Value>), Needed)| {
-        let mut all = Heard::default();
-        let mut pasts = 0;
+/// For each of what a program hears: what is done about it, and the value of each part.
+pub(crate) fn letters(program: &Program) -> Vec<(Letter, Vec<Value>)> {
+    let (parts, heard) = (program.parts(), program.hears());
+    let values = values(program, &heard);
+    let needed = needed(program, &values);
+    let one = |((number, what), (values, asked)): ((usize, Happening), (Vec<Value>, u64))| {
+        let letter = Letter { number, ..Letter::default() };
+        let mut all = Making { parts, values, letter, steps: Vec::new() };
+        let mut number = 0;
         for (at, part) in parts.iter().enumerate() {
-            let past = pasts;
-            pasts += u8::from(has_past(part));
-            let step = match values[at] {
-                Value::Known(holds) => {
-                    all.holds |= u64::from(holds) << at;
-                    None
+            let is = |set: u64| set >> at & 1 == 1;
+            match part {
+                Part::Runs(service) if is(needed.noted) => all.runs(at, *service, what),
+                Part::Previous(_) if is(needed.noted) => all.letter.from |= 1 << at,
+                _ if part.bounds().is_some() && is(needed.noted) => {
+                    all.past(at, part, number, is(asked));
                 }
-                Value::Same(other, negated) if other != at => {
-                    let asked = needed.asked[at];
-                    asked.then(|| What::Same(Of::new(other, negated)))
-                }
-                Value::Same(..) => {
-                    needed.value[at].then(|| step(part, *what, past, &values)).flatten()
-                }
-            };
-            let noted = step.is_none() && needed.notes[at] && notes(part, *what, &values);
-            let note = noted.then(|| self::step(part, *what, past, &values)).flatten();
-            let what = step.or(note);
-            all.steps.extend(what.map(|what| Step { part: small(at), what }));
-        }
-        (all.looked_at, all.wanted) = wanted(parts, &values);
-        all.values = values;
-        all
-    };
-    heard.iter().zip(values).zip(needed).map(one).collect()
-}
-
-/// Whether dates are noted for it.
-pub(crate) fn has_past(part: &Part) -> bool {
-    matches!(part, Part::Once(..) | Part::Historically(..) | Part::Since(..))
-}
-
-fn small(at: usize) -> u8 {
-    u8::try_from(at).unwrap_or(u8::MAX)
-}
-
-fn step(part: &Part, what: Happening, past: u8, values: &[Value]) -> Option<What> {
-    // What is known is a bit that is there.
-    let of = |at: usize| match values[at] {
-        Value::Known(_) => Of::new(at, false),
-        Value::Same(other, negated) => Of::new(other, negated),
-    };
-    let not = |of: Of| Of(of.0 ^ Of::NOT);
-    Some(match *part {
-        Part::Constant(_) | Part::Happens(_) => return None,
-        Part::Runs(service) if what == Happening::Start(service) => What::Starts,
-        Part::Runs(service) if what == Happening::End(service) => What::Ends,
-        Part::Runs(_) => What::Runs,
-        Part::Not(a) => What::Same(not(of(a))),
-        Part::And(a, b) => What::And(of(a), of(b)),
-        Part::Or(a, b) => What::Or(of(a), of(b)),
-        Part::Implies(a, b) => What::Or(not(of(a)), of(b)),
-        Part::Previous(a) => What::Previous(small(a)),
-        Part::Once(_, a) => What::Once(past, of(a)),
-        Part::Historically(_, a) => What::Historically(past, not(of(a))),
-        Part::Since(_, a, b) => What::Since(past, of(a), of(b)),
-    })
-}
-
-/// The parts on which it depends whether the last one holds, and those of them that have to.
-fn wanted(parts: &[Part], values: &[Value]) -> (u64, u64) {
-    let (mut hold, mut fail) = (0u64, 0u64);
-    for (at, holds) in leaves(parts, values) {
-        *(if holds { &mut hold } else { &mut fail }) |= 1 << at;
-    }
-    // Of no part, a bit is wanted: where one would have to hold and not to hold.
-    if hold & fail == 0 { (hold | fail, hold) } else { (0, 1) }
-}
-
-/// The parts that all have to hold, or not to hold, so that the last one does.
-fn leaves(parts: &[Part], values: &[Value]) -> Vec<(usize, bool)> {
-    let (mut left, mut leaves) = (vec![parts.len() - 1], Vec::new());
-    while let Some(at) = left.pop() {
-        match values[at] {
-            Value::Known(true) => {}
-            // Its bit is not set.
-            Value::Known(false) => leaves.push((at, true)),
-            Value::Same(other, true) => leaves.push((other, false)),
-            Value::Same(other, false) => match parts[other] {
-                Part::And(a, b) => left.extend([a, b]),
-                _ => leaves.push((other, true)),
-            },
-        }
-    }
-    leaves
-}
-
-/// Whether what happens changes what is noted for a part.
-fn notes(part: &Part, what: Happening, values: &[Value]) -> bool {
-    let is = |at: usize, known: bool| values[at] == Value::Known(known);
-    match part {
-        Part::Runs(service) => {
-            what == Happening::Start(*service) || what == Happening::End(*service)
-        }
-        Part::Once(_, a) => !is(*a, false),
-        Part::Historically(_, a) => !is(*a, true),
-        Part::Since(_, a, b) => !is(*a, true) || !is(*b, false),
-        _ => false,
-    }
-}
-
-/// Whether a part depends on this one of its parts: where the second part of `since` holds now, what
-/// held before says no more, if only the last date is kept.
-fn asks(part: &Part, of: usize, values: &[Value]) -> bool {
-    match part {
-        Part::Since(bounds, a, b) => {
-            let now = bounds.least == 0 && values[*b] == Value::Known(true);
-            !now || of != *a
-        }
-        _ => true,
-    }
-}
-
-/// What of each part is needed when one thing is heard.
-#[derive(Clone, Debug)]
-struct Needed {
-    /// Its value, of those that are none of another part.
-    value: Vec<bool>,
-    /// A bit of its own: it is asked for at what is heard next.
-    asked: Vec<bool>,
-    /// What is noted for it.
-    notes: Vec<bool>,
-}
-
-/// For each of what is heard, what is needed at it, or because of it later.
-fn needed(parts: &[Part], heard: &[Happening], values: &[Vec<Value>]) -> Vec<Needed> {
-    let none = vec![false; parts.len()];
-    let none = Needed { value: none.clone(), asked: none.clone(), notes: none };
-    let mut needed = vec![none; heard.len()];
-    let need = |list: &mut [bool], at: usize| !std::mem::replace(&mut list[at], true);
-    let value = |values: &[Value], at: usize| match values[at] {
-        Value::Same(other, _) => Some(other),
-        Value::Known(_) => None,
-    };
-    for (needed, values) in needed.iter_mut().zip(values) {
-        for (at, _) in leaves(parts, values).into_iter().chain(blamed(parts, values)) {
-            if let Some(at) = value(values, at) {
-                need(&mut needed.value, at);
+                _ if is(asked) => all.now(at, part),
+                _ => {}
             }
+            number += u8::from(part.bounds().is_some());
         }
-    }
-    loop {
-        let mut more = false;
+        // What the next event asks for is noted when all bits are there.
         for (at, part) in parts.iter().enumerate() {
-            if !needed.iter().any(|needed| needed.value[at]) {
-                continue;
-            }
-            // What is asked for at one thing that is heard is noted at all others.
-            for needed in &mut needed {
-                more |= match part {
-                    Part::Previous(a) => need(&mut needed.asked, *a),
-                    _ => need(&mut needed.notes, at),
-                };
+            match part {
+                Part::Previous(a) if needed.noted >> at & 1 == 1 => all.previous(at, *a),
+                _ => {}
             }
         }
-        for ((needed, values), what) in needed.iter_mut().zip(values).zip(heard) {
-            for (at, part) in parts.iter().enumerate() {
-                if needed.asked[at]
-                    && let Some(other) = value(values, at)
-                {
-                    more |= need(&mut needed.value, other);
-                }
-                let noted = needed.notes[at] && has_past(part) && notes(part, *what, values);
-                if needed.value[at] || noted {
-                    let of = part.made_of_now().filter(|of| asks(part, *of, values));
-                    for other in of.filter_map(|other| value(values, other)) {
-                        more |= need(&mut needed.value, other);
-                    }
-                }
-            }
-        }
-        if !more {
-            return needed;
-        }
-    }
+        all.judged();
+        all.letter.steps = all.steps.into();
+        (all.letter, all.values)
+    };
+    heard.into_iter().enumerate().zip(values.into_iter().zip(needed.values)).map(one).collect()
 }
 
-/// Parts that are asked for to say which one is to blame, if the last one does not hold.
-fn blamed(parts: &[Part], values: &[Value]) -> Vec<(usize, bool)> {
-    let (mut left, mut asked) = (vec![parts.len() - 1], Vec::new());
-    while let Some(at) = left.pop() {
-        if values[at] == Value::Known(true) {
-            continue;
-        }
-        match parts[at] {
-            Part::And(a, b) => left.extend([a, b]),
-            Part::Implies(_, b) => {
-                asked.push((at, true));
-                left.push(b);
-            }
-            _ => asked.push((at, true)),
+struct Making<'p> {
+    parts: &'p [Part],
+    values: Vec<Value>,
+    letter: Letter,
+    steps: Vec<Step>,
+}
+
+impl Making<'_> {
+    /// What has to be so that a value is the wanted one.
+    fn literals(&self, value: Value, wanted: bool) -> Option<Literals> {
+        Literals::of(self.parts, &self.values, [(value, wanted)])
+    }
+
+    /// A step that is done if these bits are so; none if they never are.
+    fn step(&mut self, if_so: Option<Literals>, turns: u64, keeps: u64, what: What) {
+        let step = |Literals { mask, want }| Step { mask, want, turns, keeps, what };
+        self.steps.extend(if_so.map(step));
+    }
+
+    /// The bit of a part that depends on others now.
+    fn now(&mut self, at: usize, part: &Part) {
+        let Some((a, b, _)) = both_of(part, &self.values) else { return };
+        let both = Literals::of(self.parts, &self.values, [(a, true), (b, true)]);
+        self.step(both, 1 << at, 0, What::Turn);
+    }
+
+    /// `previous`: the next event is told the value of now.
+    fn previous(&mut self, at: usize, a: usize) {
+        match self.values[a] {
+            Value::Known(holds) => self.letter.next |= u64::from(holds) << at,
+            value => self.step(self.literals(value, true), 0, 1 << at, What::Turn),
         }
     }
-    asked
+
+    fn runs(&mut self, at: usize, service: ServiceIx, what: Happening) {
+        let (own, part) = (1 << at, u8::try_from(at).unwrap_or(u8::MAX));
+        self.letter.stays |= own;
+        let always = Some(Literals::default());
+        if what == Happening::Start(service) {
+            self.letter.set |= own;
+            self.step(always, 0, 0, What::Starts(part));
+        } else if what == Happening::End(service) {
+            self.step(always, own, 0, What::Ends(part));
+        } else {
+            self.letter.from |= own;
+        }
+    }
+
+    /// A part with bounds, of this number among them, and whether its value is asked for.
+    fn past(&mut self, at: usize, part: &Part, number: u8, asked: bool) {
+        let Some((noted, bounds)) = part.noted() else { return };
+        let own = 1 << at;
+        let (stays, holds) = noted.values(&self.values, bounds);
+        let (gone, noted) = (self.literals(stays, false), self.literals(holds, true));
+        if bounds == Bounds::EVER {
+            // One bit: it holds if anything was ever noted, and did not go since.
+            self.letter.stays |= own;
+            if stays != Value::Known(false) {
+                self.letter.from |= own;
+            }
+            if holds == Value::Known(true) {
+                self.letter.set |= own;
+                return;
+            }
+            if stays != Value::Known(false) {
+                self.step(gone.and_then(|gone| gone.and(at, true)), own, 0, What::Turn);
+            }
+            self.step(noted.and_then(|noted| noted.and(at, false)), own, 0, What::Turn);
+            return;
+        }
+        let looks = asked && matches!(self.values[at], Value::Same(..));
+        let known = |value| matches!(value, Value::Known(_));
+        if known(stays) && known(holds) && !bounds.of_many_dates() {
+            let of = |is_so: bool| u64::from(is_so) << number;
+            self.letter.gone |= of(stays == Value::Known(false));
+            self.letter.noted |= of(holds == Value::Known(true));
+            self.letter.looked |= of(looks);
+            return;
+        }
+        self.step(gone, 0, 0, What::Note(number, false));
+        self.step(noted, 0, 0, What::Note(number, true));
+        if looks {
+            self.step(Some(Literals::default()), own, 0, What::Look(number));
+        }
+    }
+
+    /// The bits on which it depends whether the last part holds.
+    fn judged(&mut self) {
+        let Some(last) = self.values.last() else { return };
+        // If it never does, a bit is wanted that is not looked at.
+        let never = Literals { mask: 0, want: 1 };
+        let Literals { mask, want } = self.literals(*last, true).unwrap_or(never);
+        (self.letter.looked_at, self.letter.wanted) = (mask, want);
+    }
 }

@@ -19,9 +19,13 @@ use genom_runtime::{
 };
 use support::closures::{Closures, Codel, LONG};
 
-const CALLS: u64 = 2_000_000;
-/// Runs of each, of which the fastest counts: one of all after the other, so that what disturbs the
-/// machine for a while disturbs all.
+/// Calls of a run.
+const CALLS: u64 = 1_000_000;
+/// Calls that are timed together, of which the fastest count: so few that some of them are disturbed
+/// by nothing else, if the machine has other work, too.
+const TOGETHER: u64 = 10_000;
+/// Runs of each: one of all after the other, so that what disturbs the machine for a while disturbs
+/// all.
 const RUNS: usize = 12;
 
 /// A rule about the calls of a codel.
@@ -63,35 +67,44 @@ fn main() {
     }
 }
 
-fn counting(done: impl Fn() + Send + Sync + 'static) -> Codel {
-    let count = AtomicU64::new(0);
-    Arc::new(move || {
+/// A codel that is called so often, and what it takes: the time from one call to the next, of the
+/// fastest that were timed together, in nanoseconds.
+fn counting(done: impl Fn() + Send + Sync + 'static) -> (Codel, Arc<AtomicU64>) {
+    let (count, last) = (AtomicU64::new(0), AtomicU64::new(0));
+    let fastest = Arc::new(AtomicU64::new(u64::MAX));
+    let (own, epoch) = (Arc::clone(&fastest), Instant::now());
+    let codel = Arc::new(move || {
         let calls = count.load(Ordering::Relaxed) + 1;
         count.store(calls, Ordering::Relaxed);
-        if calls.is_multiple_of(CALLS) {
-            done();
-            return "ether";
+        if calls.is_multiple_of(TOGETHER) {
+            let now = u64::try_from(epoch.elapsed().as_nanos()).unwrap();
+            let took = now - last.swap(now, Ordering::Relaxed);
+            own.fetch_min(took, Ordering::Relaxed);
+            if calls.is_multiple_of(CALLS) {
+                done();
+                return "ether";
+            }
         }
         "start"
-    })
+    });
+    (codel, fastest)
 }
 
 #[allow(clippy::cast_precision_loss, reason = "a few digits are shown")]
-fn each(took: Duration) -> f64 {
-    took.as_secs_f64() * 1e9 / CALLS as f64
+fn each(fastest: &AtomicU64) -> f64 {
+    fastest.load(Ordering::Relaxed) as f64 / TOGETHER as f64
 }
 
 fn bare() -> f64 {
-    let codel = counting(|| {});
-    let begin = Instant::now();
+    let (codel, fastest) = counting(|| {});
     while std::hint::black_box(codel()) == "start" {}
-    each(begin.elapsed())
+    each(&fastest)
 }
 
 fn with_rules(count: usize, make: Make) -> f64 {
     let (sender, ended) = channel();
     let sender = Mutex::new(sender);
-    let codel = counting(move || {
+    let (codel, fastest) = counting(move || {
         let _ = sender.lock().unwrap().send(());
     });
     let body = Closures::new(
@@ -106,16 +119,14 @@ fn with_rules(count: usize, make: Make) -> f64 {
     let all = body.plan.component().codels.pairs();
     let codels: Vec<CodelIx> = all.filter(|(_, one)| one.name == "c").map(|(ix, _)| ix).collect();
     assert_eq!(codels.len(), 1);
-    let begin = Instant::now();
     let instance = body.start_with(|options| {
         let rule = || Supervised { rule: make(codels.clone()), interrupts: false };
         options.rules = (0..count).map(|_| rule()).collect();
     });
     ended.recv().unwrap();
-    let took = each(begin.elapsed());
     assert!(instance.violations().iter().all(|count| *count == 0), "{:?}", instance.violations());
     instance.shutdown(LONG).unwrap();
-    took
+    each(&fastest)
 }
 
 fn deadline(codels: Vec<CodelIx>) -> Rule {

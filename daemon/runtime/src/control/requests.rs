@@ -378,18 +378,18 @@ impl Engine {
         let called = shared.clock.now();
         shared.calls(codel, |rule, fact| self.violated_aside(rule, fact));
         let bound = shared.rules.bound(codel);
-        if bound.called {
-            let aside = |seen| self.seen_aside(seen);
-            shared.rules.hear(Happening::Call(codel), 0, called, None, aside);
+        if bound.called.others {
+            let what = (Happening::Call(codel), 0, called);
+            shared.rules.hear_elsewhere(what, |seen| self.seen_aside(seen));
         }
         let (at_work, since) = (&shared.at_work[context], shared.clock.real(called));
         at_work.begins(codel, 0, since);
         let returned = frame.call(codel, context);
         at_work.ends();
-        if bound.returns {
+        if bound.returns.others || bound.writes {
             let (now, aside) = (shared.clock.now(), |seen| self.seen_aside(seen));
             shared.rules.wrote(shared.body.as_ref(), codel, 0, now, None, aside);
-            shared.rules.hear(Happening::Return(codel), 0, now, None, aside);
+            shared.rules.hear_elsewhere((Happening::Return(codel), 0, now), aside);
         }
         drop(permit);
         let ns = shared.clock.now().saturating_sub(called);

@@ -6,7 +6,7 @@ use genom_description::model::{CodelIx, Component, ServiceIx, StateIx, TaskIx};
 use super::{Beats, Rule, Violation};
 use crate::clock::nanos;
 use crate::plan::owner_name;
-use genom_monitor::Happening;
+use genom_monitor::{Happening, OffBeat};
 
 /// A rule was broken.
 #[derive(Clone, Copy, Debug)]
@@ -49,6 +49,15 @@ pub(crate) enum Fact {
     Disordered { what: Happening, state: u8 },
     /// This part of a formula did not hold when something happened.
     False { what: Happening, part: u8 },
+}
+
+impl From<OffBeat> for Fact {
+    fn from(beat: OffBeat) -> Self {
+        match beat {
+            OffBeat::Soon(ns) => Self::Soon { ns },
+            OffBeat::Late(ns) => Self::Late { ns },
+        }
+    }
 }
 
 impl Seen {

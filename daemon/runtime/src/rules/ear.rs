@@ -1,6 +1,6 @@
 //! What hears something that happens.
 
-use super::beat::Pulse;
+use genom_monitor::{Letter, Pulse};
 
 /// What hears something that happens, by index.
 #[derive(Clone, Copy, Debug)]
@@ -9,8 +9,11 @@ pub(super) enum Ear {
     Beat(u16, Pulse),
     /// An order, and the number of its event.
     Order(u16, u16),
-    /// A formula of the task in whose thread this happens, and the number under which it hears.
-    Own(u16, u16),
-    /// A formula that several threads move on, and that number.
-    Shared(u16, u16),
+}
+
+/// A formula that hears something that happens, by index, and what is done about that.
+#[derive(Clone, Debug)]
+pub(super) struct Judges {
+    pub(super) at: u16,
+    pub(super) letter: Letter,
 }

@@ -12,7 +12,7 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 use crossbeam_queue::ArrayQueue;
 
 use super::broken::{Fact, Seen};
-use super::ear::Ear;
+use super::ear::Judges;
 use genom_monitor::{Happening, Judge};
 
 /// What waits for who has the turn, at most.
@@ -29,6 +29,12 @@ pub(super) struct Happened {
     pub(super) date: u64,
 }
 
+impl Happened {
+    fn all(&self) -> (Happening, u32, u64) {
+        (self.what, self.activity, self.date)
+    }
+}
+
 /// Formulas that are moved on together.
 #[derive(Debug, Default)]
 pub(crate) struct Formulas {
@@ -43,27 +49,20 @@ impl Formulas {
         Self { judges: judges.into_boxed_slice(), last: 0 }
     }
 
-    /// One of them hears something under this number.
+    /// Those of `ears` hear something.
     #[inline]
     pub(super) fn hear(
         &mut self,
-        (at, letter): (u16, u16),
-        happened: &Happened,
-        tell: &mut impl FnMut(Seen),
+        (what, activity, date): (Happening, u32, u64),
+        ears: &[Judges],
+        mut tell: impl FnMut(Seen),
     ) {
-        let Happened { what, activity, date, .. } = *happened;
         self.last = self.last.max(date);
-        let Some((rule, judge)) = self.judges.get_mut(usize::from(at)) else { return };
-        if let Some(part) = judge.hear(usize::from(letter), self.last) {
-            let part = u8::try_from(part).unwrap_or(u8::MAX);
-            tell(Seen { rule: *rule, activity, date, fact: Fact::False { what, part } });
-        }
-    }
-
-    fn take(&mut self, happened: Happened, ears: &[Ear], tell: &mut impl FnMut(Seen)) {
-        for ear in ears {
-            if let Ear::Shared(at, letter) = *ear {
-                self.hear((at, letter), &happened, tell);
+        for Judges { at, letter } in ears {
+            let Some((rule, judge)) = self.judges.get_mut(usize::from(*at)) else { continue };
+            if let Some(part) = judge.hear_letter(letter, self.last) {
+                let part = u8::try_from(part).unwrap_or(u8::MAX);
+                tell(Seen { rule: *rule, activity, date, fact: Fact::False { what, part } });
             }
         }
     }
@@ -91,14 +90,14 @@ impl Shared {
     pub(super) fn hear<'a>(
         &self,
         happened: Happened,
-        ears: impl Fn(u32) -> &'a [Ear],
+        ears: impl Fn(u32) -> &'a [Judges],
         mut tell: impl FnMut(Seen),
     ) {
         match self.turn() {
             Some(mut formulas) => {
                 // What others left came before.
                 self.empty_into(&mut formulas, &ears, &mut tell);
-                formulas.take(happened, ears(happened.number), &mut tell);
+                formulas.hear(happened.all(), ears(happened.number), &mut tell);
             }
             None if self.waiting.push(happened).is_err() => {
                 self.lost.fetch_add(1, Ordering::Relaxed);
@@ -113,7 +112,7 @@ impl Shared {
     #[inline]
     pub(super) fn take_left<'a>(
         &self,
-        ears: impl Fn(u32) -> &'a [Ear],
+        ears: impl Fn(u32) -> &'a [Judges],
         mut tell: impl FnMut(Seen),
     ) {
         while !self.waiting.is_empty() {
@@ -127,12 +126,12 @@ impl Shared {
     fn empty_into<'a>(
         &self,
         formulas: &mut Formulas,
-        ears: &impl Fn(u32) -> &'a [Ear],
+        ears: &impl Fn(u32) -> &'a [Judges],
         tell: &mut impl FnMut(Seen),
     ) {
         while !self.waiting.is_empty() {
             let Some(before) = self.waiting.pop() else { return };
-            formulas.take(before, ears(before.number), tell);
+            formulas.hear(before.all(), ears(before.number), &mut *tell);
         }
     }
 

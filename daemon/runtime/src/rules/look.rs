@@ -61,16 +61,16 @@ impl Engine {
     /// Something happens outside tasks, now.
     pub(crate) fn happens(&self, what: Happening, activity: u32) {
         let rules = &self.shared.rules;
-        if rules.hears(what) {
+        if rules.hears(what).others {
             let now = self.shared.clock.now();
-            rules.hear(what, activity, now, None, |seen| self.seen_aside(seen));
+            rules.hear_elsewhere((what, activity, now), |seen| self.seen_aside(seen));
         }
     }
 
     /// Something happened before the instance went on from another one, which told what it broke.
     pub(crate) fn happened(&self, what: Happening) {
         let now = self.shared.clock.now();
-        self.shared.rules.hear(what, 0, now, None, |_| {});
+        self.shared.rules.hear_elsewhere((what, 0, now), |_| {});
     }
 
     /// Activities over their time, and ticks missed, at this date.

@@ -9,7 +9,6 @@
 //! [`Instance::supervise`](crate::Instance::supervise).
 
 mod alive;
-mod beat;
 mod broken;
 mod ear;
 mod formulas;
@@ -27,7 +26,8 @@ pub use genom_monitor::{
     Bounds, Happening, Judge, MOST_PARTS, MOST_STEPS, NoOrder, NoProgram, Noted, Order, Part,
     Program,
 };
-pub(crate) use table::Rules;
+pub(crate) use hear::Heard;
+pub(crate) use table::{Bound, Rules};
 
 /// Limit on the rules of an instance.
 pub const MOST_RULES: usize = 32;

@@ -10,7 +10,7 @@ use genom_description::model::{
 use super::alive::Window;
 use super::broken::{Fact, Seen};
 use super::formulas::Formulas;
-use super::hear::Hearing;
+use super::hear::{Heard, Hearing};
 use super::{Rule, Supervised};
 use crate::body::Body;
 use crate::clock::nanos;
@@ -30,10 +30,11 @@ pub(crate) struct Bound {
     pub(crate) wcet: u64,
     /// Whether it may be called is looked at before each call.
     pub(crate) ordered: bool,
-    /// Somebody hears of its calls.
-    pub(crate) called: bool,
-    /// Somebody hears of its returns, or of a port that it may write.
-    pub(crate) returns: bool,
+    /// Who hears of its calls, and of its returns.
+    pub(crate) called: Heard,
+    pub(crate) returns: Heard,
+    /// Somebody hears of a port that it may write.
+    pub(crate) writes: bool,
 }
 
 /// What the cycles of one task are compared with.
@@ -41,8 +42,8 @@ pub(crate) struct Bound {
 pub(crate) struct CycleBound {
     /// A cycle that takes longer, in nanoseconds, breaks a rule.
     pub(crate) longest: u64,
-    /// Somebody hears of their beginnings.
-    pub(crate) heard: bool,
+    /// Who hears of their beginnings.
+    pub(crate) heard: Heard,
 }
 
 /// The rules of one instance.
@@ -95,8 +96,9 @@ impl Rules {
         let bound = |(ix, codel): (CodelIx, &genom_description::model::Codel)| {
             let wcet = codel.wcet.map_or(u64::MAX, nanos);
             let called = hearing.hears(Happening::Call(ix));
-            let returns = hearing.hears(Happening::Return(ix)) || hearing.awaits_ports_of(ix);
-            Bound { longest: longest(ix, wcet), wcet, ordered: ordered(ix), called, returns }
+            let returns = hearing.hears(Happening::Return(ix));
+            let (writes, ordered) = (hearing.awaits_ports_of(ix), ordered(ix));
+            Bound { longest: longest(ix, wcet), wcet, ordered, called, returns, writes }
         };
         let cycle = |task: TaskIx| {
             let limits = all.iter().filter_map(|one| match one.rule {
@@ -181,28 +183,37 @@ impl Rules {
         }
     }
 
-    /// Whether anybody hears of this.
-    pub(crate) fn hears(&self, what: Happening) -> bool {
+    /// Who hears of this.
+    pub(crate) fn hears(&self, what: Happening) -> Heard {
         self.hearing.hears(what)
     }
 
     /// The formulas that the thread of this task alone moves on, at their beginning.
     pub(crate) fn own(&self, task: TaskIx) -> Formulas {
-        self.hearing.own(task, &self.all)
+        self.hearing.own(task)
     }
 
-    /// Something happens; tells what breaks rules. `own` are the formulas of the task in whose thread
-    /// it happens, if it is one.
+    /// Something happens, at a date and by an activity, which these hear of; tells what breaks rules.
+    /// `own` are the formulas of the task in whose thread it happens.
     #[inline]
     pub(crate) fn hear(
         &self,
-        what: Happening,
-        activity: u32,
-        date: u64,
-        own: Option<&mut Formulas>,
-        tell: impl FnMut(Seen),
+        what: (Happening, u32, u64),
+        by: Heard,
+        own: &mut Formulas,
+        mut tell: impl FnMut(Seen),
     ) {
-        self.hearing.hear(what, activity, date, own, tell);
+        if by.own {
+            self.hearing.hear_own(what, own, &mut tell);
+        }
+        if by.others {
+            self.hearing.hear(what, tell);
+        }
+    }
+
+    /// Something happens in the thread of no task.
+    pub(crate) fn hear_elsewhere(&self, what: (Happening, u32, u64), tell: impl FnMut(Seen)) {
+        self.hearing.hear(what, tell);
     }
 
     /// A codel of an activity has returned: the ports that it wrote.

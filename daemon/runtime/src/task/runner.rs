@@ -10,7 +10,7 @@ use super::core::{Calls, Core, Passed};
 use super::gate::{Gate, Inside, TaskSide};
 use super::run::{Mode, Run, RunOutcome, Token};
 use crate::body::Returned;
-use crate::rules::{Fact, Formulas, Happening, Seen};
+use crate::rules::{Bound, Fact, Formulas, Happening, Heard, Seen};
 use crate::shared::{Notice, Shared};
 
 /// One task of an instance; driven by a thread, or by the thread that steps a virtual clock.
@@ -121,11 +121,12 @@ impl Runner {
     pub(crate) fn cycle_begins(&mut self, now: u64) {
         let shared = &self.shared;
         shared.tasks[self.task].figures.cycles.begins(now);
-        if shared.rules.cycle(self.task).heard {
+        let heard = shared.rules.cycle(self.task).heard;
+        if heard.is_heard() {
             let mut inside = self.gate.lock();
             let Inside { side, own, .. } = &mut *inside;
-            let (what, broken) = (Happening::Cycle(self.task), &mut side.broken);
-            shared.rules.hear(what, 0, now, Some(own), |seen| shared.violated(broken, seen));
+            let (what, broken) = ((Happening::Cycle(self.task), 0, now), &mut side.broken);
+            shared.rules.hear(what, heard, own, |seen| shared.violated(broken, seen));
         }
     }
 
@@ -178,7 +179,8 @@ fn hand_back(
             if let Some(service) = service_of(shared, &run) {
                 let what = Happening::End(service);
                 let tell = |seen| shared.violated(broken, seen);
-                shared.rules.hear(what, run.id, end, Some(&mut *own), tell);
+                let heard = shared.rules.hears(what);
+                shared.rules.hear((what, run.id, end), heard, own, tell);
             }
         }
         let machine = &shared.plan.machines()[run.machine];
@@ -216,9 +218,10 @@ impl Caller<'_> {
     }
 
     /// An activity does something that rules may hear of.
-    fn happens(&mut self, run: &Run, what: Happening) {
-        let Self { shared, now, broken, own, .. } = self;
-        shared.rules.hear(what, run.id, *now, Some(&mut **own), |seen| {
+    #[inline]
+    fn happens(&mut self, run: &Run, (what, by): (Happening, Heard), now: u64) {
+        let Self { shared, broken, own, .. } = self;
+        shared.rules.hear((what, run.id, now), by, own, |seen| {
             shared.violated(broken, seen);
         });
     }
@@ -226,12 +229,14 @@ impl Caller<'_> {
     /// A codel has returned, which rules hear of, and may have written ports that they hear of.
     /// What it excluded is still excluded, so that all hear this before what comes after it. Returns
     /// the date.
-    fn returned(&mut self, run: &Run, codel: CodelIx) -> u64 {
-        let Self { shared, broken, own, .. } = self;
-        let (body, now) = (shared.body.as_ref(), shared.clock.now());
-        let mut tell = |seen| shared.violated(broken, seen);
-        shared.rules.wrote(body, codel, run.id, now, Some(&mut **own), &mut tell);
-        shared.rules.hear(Happening::Return(codel), run.id, now, Some(&mut **own), tell);
+    fn returned(&mut self, run: &Run, codel: CodelIx, bound: Bound) -> u64 {
+        let now = self.shared.clock.now();
+        if bound.writes {
+            let Self { shared, broken, own, .. } = self;
+            let tell = |seen| shared.violated(broken, seen);
+            shared.rules.wrote(&*shared.body, codel, run.id, now, Some(&mut **own), tell);
+        }
+        self.happens(run, (Happening::Return(codel), bound.returns), now);
         now
     }
 }
@@ -246,15 +251,16 @@ impl Calls for Caller<'_> {
         }
         shared.calls(codel, |rule, fact| self.violated(run, rule, fact));
         let bound = shared.rules.bound(codel);
-        if bound.called {
-            self.happens(run, Happening::Call(codel));
+        if bound.called.is_heard() {
+            self.happens(run, (Happening::Call(codel), bound.called), self.now);
         }
         let context = self.task.index();
         let (at_work, since) = (&shared.at_work[context], shared.clock.real(self.now));
         at_work.begins(codel, run.id, since);
         let returned = run.frame.call(codel, context);
         at_work.ends();
-        let heard = bound.returns.then(|| self.returned(run, codel));
+        let heard = bound.returns.is_heard() || bound.writes;
+        let heard = heard.then(|| self.returned(run, codel, bound));
         drop(permit);
         let end = heard.unwrap_or_else(|| shared.clock.now());
         let ns = end.saturating_sub(self.now);
@@ -267,7 +273,8 @@ impl Calls for Caller<'_> {
     fn begins(&mut self, run: &Run) {
         self.shared.rules.begins(run.machine);
         if let Some(service) = service_of(self.shared, run) {
-            self.happens(run, Happening::Start(service));
+            let what = Happening::Start(service);
+            self.happens(run, (what, self.shared.rules.hears(what)), self.now);
         }
     }
 
