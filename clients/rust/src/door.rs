@@ -2,16 +2,13 @@
 //!
 //! `daemon/embedding/src/wire.rs` documents the messages.
 
-use std::io::{self, IoSlice, IoSliceMut};
-use std::mem::MaybeUninit;
+use std::io;
 use std::os::fd::OwnedFd;
+use std::sync::Arc;
 
+use genom_lockstep::End;
 use genom_protocol::{Reason, Refusal};
-use rustix::io::Errno;
-use rustix::net::{
-    AddressFamily, RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, SendAncillaryBuffer,
-    SendFlags, Shutdown, SocketFlags, SocketType, recvmsg, sendmsg, shutdown, socketpair,
-};
+use rustix::net::{AddressFamily, Shutdown, SocketFlags, SocketType, shutdown, socketpair};
 
 /// What is asked.
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +28,7 @@ const HEAD: usize = 8;
 /// The program's end.
 #[derive(Debug)]
 pub(crate) struct Door {
-    socket: OwnedFd,
+    end: End,
     number: u32,
     room: Vec<u8>,
 }
@@ -68,21 +65,16 @@ impl Door {
     pub(crate) fn new() -> io::Result<(Self, OwnedFd)> {
         let flags = SocketFlags::CLOEXEC;
         let (ours, theirs) = socketpair(AddressFamily::UNIX, SocketType::SEQPACKET, flags, None)?;
-        Ok((Self { socket: ours, number: 0, room: vec![0; ROOM] }, theirs))
+        let end = End::new(Arc::new(ours));
+        Ok((Self { end, number: 0, room: vec![0; ROOM] }, theirs))
     }
 
     /// Asks, and waits for the reply.
     pub(crate) fn ask(&mut self, verb: Verb, body: &[u8]) -> Result<Reply<'_>, NoReply> {
         self.number = self.number.wrapping_add(1);
         let head = [self.number.to_ne_bytes(), (verb as u32).to_ne_bytes()];
-        let parts = [IoSlice::new(head.as_flattened()), IoSlice::new(body)];
-        let none = &mut SendAncillaryBuffer::default();
-        while let Err(error) = sendmsg(&self.socket, &parts, none, SendFlags::NOSIGNAL) {
-            if error != Errno::INTR {
-                return Err(NoReply::Closed);
-            }
-        }
-        let (count, file) = self.receive().map_err(|_| NoReply::Closed)?;
+        self.end.send([head.as_flattened(), body], None).map_err(|_| NoReply::Closed)?;
+        let (count, file) = self.end.receive(&mut self.room).map_err(|_| NoReply::Closed)?;
         let reply = Reply { body: &self.room[..count], file };
         match (reply.u32(0), reply.u32(4)) {
             (Some(number), Some(0)) if number == self.number => {
@@ -99,24 +91,7 @@ impl Door {
     /// Ends the conversation: the daemon stops.
     pub(crate) fn close(&self) {
         // It may be closed already.
-        let _ = shutdown(&self.socket, Shutdown::Both);
-    }
-
-    fn receive(&mut self) -> Result<(usize, Option<OwnedFd>), Errno> {
-        let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
-        let mut ancillary = RecvAncillaryBuffer::new(&mut space);
-        let count = loop {
-            let mut parts = [IoSliceMut::new(&mut self.room)];
-            match recvmsg(&self.socket, &mut parts, &mut ancillary, RecvFlags::CMSG_CLOEXEC) {
-                Err(Errno::INTR) => {}
-                received => break received?.bytes,
-            }
-        };
-        let file = ancillary.drain().find_map(|message| match message {
-            RecvAncillaryMessage::ScmRights(mut files) => files.next(),
-            _ => None,
-        });
-        Ok((count, file))
+        let _ = shutdown(&**self.end.socket(), Shutdown::Both);
     }
 }
 

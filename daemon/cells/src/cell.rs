@@ -18,6 +18,7 @@ use rustix::process::Signal;
 use tokio::sync::watch;
 use tokio::time::{sleep, timeout};
 
+use self::standing::Fall;
 use crate::client::Client;
 use crate::crashes::{Dump, Known, learn};
 use crate::done::Waiting;
@@ -67,10 +68,8 @@ struct State {
     steps: Option<Arc<OwnedFd>>,
     /// What its last process held: more than the next one, if something is not to come back.
     held: Deployment,
-    /// Whether its process ended, nobody had asked for that, and no other one runs yet.
-    fell: bool,
-    /// Whether nobody who watches its components has heard of that yet.
-    fall_untold: bool,
+    /// Whether its last process ended though nobody had asked for that.
+    fall: Fall,
     /// What is being done of other components since its process failed.
     reacting: Option<Waiting>,
     /// Broken rules that it told within this second.
@@ -299,7 +298,7 @@ impl Cell {
         };
         self.with(|state| {
             state.held = held;
-            (state.fell, state.fall_untold) = (!asked, !asked);
+            state.fall = if asked { Fall::None } else { Fall::Down { told: false } };
         });
         let names: Vec<String> = kept.component.iter().map(|one| one.instance()).collect();
         if !self.is_gateway()
@@ -389,7 +388,7 @@ impl Cell {
             let names = all.components.into_iter().map(|one| one.name).chain(all.loading).collect();
             self.with(|state| state.components = names);
         }
-        self.with(|state| state.fell = false);
+        self.with(|state| state.fall = state.fall.and_up());
         // Read now, so that a failure waits for no reading.
         let _ = self.journal.read();
         self.enter(CellState::Running);

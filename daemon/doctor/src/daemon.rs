@@ -71,16 +71,24 @@ fn refused(middleware: &Middleware) -> impl Iterator<Item = Diagnosis> {
     middleware.refused.iter().map(move |Refused { why, count, peer }| {
         let peer = peer.map_or_else(String::new, |peer| format!(", the last one from {peer}"));
         let what = format!("{name} refused {count} messages: {why}{peer}");
-        let fix = format!("see who sends that; configs/{name}.toml tells of limits");
+        let fix = format!("see who sends that; {} tells of limits", about(name));
         Diagnosis::note("refused", what, fix)
     })
+}
+
+/// What tells of the keys of a middleware in configurations.
+fn about(name: &str) -> String {
+    match name {
+        "ros2" | "shm" | "yarp" | "zenoh" => format!("configs/{name}.toml"),
+        _ => "the documentation of its library".to_owned(),
+    }
 }
 
 /// What keeps a middleware from others, or why it is not open.
 fn trouble(middleware: &Middleware) -> Vec<Diagnosis> {
     let name = &middleware.name;
     let closed = middleware.closed.iter().map(|why| {
-        let fix = format!("correct [backends.{name}]; configs/{name}.toml (or whoever made its library) tells of its keys");
+        let fix = format!("correct [backends.{name}]; {} tells of its keys", about(name));
         Diagnosis::problem(name, format!("it was needed and could not be opened: {why}"), fix)
     });
     let told =
@@ -145,6 +153,16 @@ mod tests {
             ports: BTreeMap::new(),
             unasked: 0,
         }
+    }
+
+    #[test]
+    fn what_is_told_to_read_of_a_middleware_is_there() {
+        let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../../");
+        for name in ["ros2", "shm", "yarp", "zenoh"] {
+            let file = about(name);
+            assert!(std::fs::exists(format!("{root}{file}")).unwrap(), "{file}");
+        }
+        assert_eq!(about("mine"), "the documentation of its library");
     }
 
     #[test]

@@ -1,20 +1,14 @@
 //! A cell of this daemon, which it steps over a socket that it lent the cell's process: the cell
 //! answers it as a daemon answers its program. What a cell answers is checked.
 
-use std::io::{IoSlice, IoSliceMut};
-use std::mem::MaybeUninit;
 use std::os::fd::{AsFd as _, BorrowedFd, OwnedFd};
 use std::sync::Arc;
 
 use axum::http::StatusCode;
 use genom_doors::RpcError;
+use genom_lockstep::End;
 use genom_protocol::{Address, Refusal};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::io::Errno;
-use rustix::net::{
-    RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, SendAncillaryBuffer,
-    SendAncillaryMessage, SendFlags, recvmsg, sendmsg,
-};
 
 use crate::memory::Memory;
 use crate::port::{LARGEST, no_memory};
@@ -28,7 +22,7 @@ const ROOM: usize = 65536;
 pub(crate) struct Far {
     /// Of the cell.
     pub(crate) name: String,
-    socket: Arc<OwnedFd>,
+    end: End,
     number: u32,
     room: Vec<u8>,
     /// How many of its ports were not there after the last step.
@@ -61,16 +55,17 @@ struct Reply<'a> {
 
 impl Far {
     pub(crate) fn new(name: &str, socket: Arc<OwnedFd>) -> Self {
-        Self { name: name.to_owned(), socket, number: 0, room: vec![0; ROOM], gone: 0 }
+        let end = End::new(socket);
+        Self { name: name.to_owned(), end, number: 0, room: vec![0; ROOM], gone: 0 }
     }
 
     /// Whether it is this process.
     pub(crate) fn is(&self, socket: &Arc<OwnedFd>) -> bool {
-        Arc::ptr_eq(&self.socket, socket)
+        Arc::ptr_eq(self.end.socket(), socket)
     }
 
     pub(crate) fn socket(&self) -> &Arc<OwnedFd> {
-        &self.socket
+        self.end.socket()
     }
 
     /// Advances its clock.
@@ -119,20 +114,8 @@ impl Far {
     ) -> Result<Reply<'_>, Undone> {
         self.number = self.number.wrapping_add(1);
         let head = [self.number.to_ne_bytes(), (verb as u32).to_ne_bytes()];
-        let parts = [IoSlice::new(head.as_flattened()), IoSlice::new(body)];
-        let mut room = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
-        let mut ancillary = SendAncillaryBuffer::new(&mut room);
-        let files = file.map(|file| [file]);
-        if let Some(files) = &files {
-            ancillary.push(SendAncillaryMessage::ScmRights(files));
-        }
-        let flags = SendFlags::NOSIGNAL;
-        while let Err(error) = sendmsg(&*self.socket, &parts, &mut ancillary, flags) {
-            if error != Errno::INTR {
-                return Err(Undone::Lost);
-            }
-        }
-        let (count, file) = receive(&self.socket, &mut self.room).map_err(|_| Undone::Lost)?;
+        self.end.send([head.as_flattened(), body], file).map_err(|_| Undone::Lost)?;
+        let (count, file) = self.end.receive(&mut self.room).map_err(|_| Undone::Lost)?;
         let reply = word(&self.room[..count]).filter(|(number, _)| *number == self.number);
         match reply.and_then(|(_, rest)| word(rest)) {
             Some((DONE, body)) => Ok(Reply { body, file }),
@@ -147,27 +130,6 @@ pub(crate) fn is_closed(socket: &OwnedFd) -> bool {
     let mut end = [PollFd::new(socket, PollFlags::empty())];
     let at_once = Timespec { tv_sec: 0, tv_nsec: 0 };
     poll(&mut end, Some(&at_once)).is_ok_and(|count| count > 0)
-}
-
-/// A message, and what came with it.
-pub(crate) fn receive(
-    socket: &OwnedFd,
-    room: &mut [u8],
-) -> Result<(usize, Option<OwnedFd>), Errno> {
-    let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
-    let mut ancillary = RecvAncillaryBuffer::new(&mut space);
-    let count = loop {
-        let mut parts = [IoSliceMut::new(room)];
-        match recvmsg(socket, &mut parts, &mut ancillary, RecvFlags::CMSG_CLOEXEC) {
-            Err(Errno::INTR) => {}
-            received => break received?.bytes,
-        }
-    };
-    let file = ancillary.drain().find_map(|message| match message {
-        RecvAncillaryMessage::ScmRights(mut files) => files.next(),
-        _ => None,
-    });
-    Ok((count, file))
 }
 
 fn found(body: &[u8]) -> Result<Found, Undone> {
@@ -191,7 +153,7 @@ mod tests {
     use std::thread;
 
     use rustix::fs::{MemfdFlags, ftruncate, memfd_create};
-    use rustix::net::{AddressFamily, SocketFlags, SocketType, send, socketpair};
+    use rustix::net::{AddressFamily, SocketFlags, SocketType, socketpair};
 
     use crate::memory::VALUE_AT;
     use crate::wire::{self, LONGEST};
@@ -207,23 +169,15 @@ mod tests {
         let mut reply = reply.to_vec();
         let cell = thread::spawn(move || {
             let mut message = [0; LONGEST];
-            let (count, none) = receive(&theirs, &mut message).unwrap();
+            let mut theirs = End::new(Arc::new(theirs));
+            let (count, none) = theirs.receive(&mut message).unwrap();
             assert!(none.is_none());
             let (number, asked) = wire::parse(&message[..count]);
             assert_eq!(asked, Ok(wire::Request::Open("demo/gain")));
             if with_number {
                 reply.splice(0..0, number.to_ne_bytes());
             }
-            let Some(file) = file else {
-                send(&theirs, &reply, SendFlags::NOSIGNAL).unwrap();
-                return;
-            };
-            let files = [file.as_fd()];
-            let mut room = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
-            let mut ancillary = SendAncillaryBuffer::new(&mut room);
-            ancillary.push(SendAncillaryMessage::ScmRights(&files));
-            let parts = [IoSlice::new(&reply)];
-            sendmsg(&theirs, &parts, &mut ancillary, SendFlags::NOSIGNAL).unwrap();
+            theirs.send([&reply, &[]], file.as_ref().map(|file| file.as_fd())).unwrap();
         });
         let mut far = Far::new("arm", Arc::new(ours));
         let done = far.open(&"demo/gain".parse().unwrap()).map(drop);

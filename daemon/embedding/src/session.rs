@@ -1,20 +1,18 @@
 //! Requests of the program, or of the daemon of a cell, one after the other.
 
 use std::collections::BTreeMap;
-use std::io::{self, IoSlice};
-use std::mem::MaybeUninit;
+use std::io;
 use std::os::fd::{AsFd as _, OwnedFd};
 use std::sync::Arc;
 use std::time::Duration;
 
 use genom_cells::Cells;
 use genom_doors::RpcError;
+use genom_lockstep::End;
 use genom_protocol::{Code, StepRequest};
 use genom_supervisor::Supervisor;
-use rustix::net::{SendAncillaryBuffer, SendAncillaryMessage, SendFlags, send, sendmsg};
 use tokio::runtime::Handle;
 
-use crate::far::receive;
 use crate::open::Open;
 use crate::places::Places;
 use crate::who::Who;
@@ -24,7 +22,7 @@ use crate::wire::{self, LONGEST, Request, Taken};
 const MOST: usize = 1024;
 
 pub(crate) struct Session {
-    socket: Arc<OwnedFd>,
+    end: End,
     who: Who,
     places: Places,
     /// Ports that are open, by their numbers: steps take them in the order in which they were opened.
@@ -43,7 +41,7 @@ impl Session {
         runtime: Handle,
     ) -> Self {
         Self {
-            socket: Arc::clone(socket),
+            end: End::new(Arc::clone(socket)),
             who,
             places: Places::new(supervisor, cells, runtime),
             ports: BTreeMap::new(),
@@ -57,7 +55,7 @@ impl Session {
         // One byte more than a request has, to notice one that is longer.
         let mut message = [0; LONGEST + 1];
         loop {
-            let (count, file) = match receive(&self.socket, &mut message) {
+            let (count, file) = match self.end.receive(&mut message) {
                 Ok((count, file)) if count > 0 => (count, file),
                 _ => break,
             };
@@ -187,17 +185,11 @@ impl Session {
     fn share(&self, number: u32, port: u32) -> io::Result<()> {
         let Some(open) = self.ports.get(&port) else { return Ok(()) };
         let reply = wire::done(number, &[&open.told(port).bytes()]);
-        let files = [open.memory.as_fd()];
-        let mut room = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
-        let mut ancillary = SendAncillaryBuffer::new(&mut room);
-        ancillary.push(SendAncillaryMessage::ScmRights(&files));
-        sendmsg(&*self.socket, &[IoSlice::new(&reply)], &mut ancillary, SendFlags::NOSIGNAL)?;
-        Ok(())
+        Ok(self.end.send([&reply, &[]], Some(open.memory.as_fd()))?)
     }
 
     fn send(&self, reply: &[u8]) -> io::Result<()> {
-        send(&*self.socket, reply, SendFlags::NOSIGNAL)?;
-        Ok(())
+        Ok(self.end.send([reply, &[]], None)?)
     }
 }
 

@@ -201,7 +201,7 @@ impl Reading {
                     self.hub.lost(topic, lost.lost);
                 }
             }
-            Frame::Start(_) | Frame::End(_) => {}
+            Frame::Start(_) | Frame::End(_) | Frame::Until(_) => {}
         }
     }
 }

@@ -17,6 +17,11 @@ impl Dates {
         Self(clock.clone())
     }
 
+    /// Whether time stands still between steps: dates are moments then.
+    pub fn is_stepped(&self) -> bool {
+        !matches!(self.0, Clock::Monotonic)
+    }
+
     /// Monotonic time, in nanoseconds since an arbitrary origin; with a virtual clock, since its
     /// start.
     pub fn moment(&self) -> u64 {
@@ -28,7 +33,7 @@ impl Dates {
         /// Both clocks are read this often and the closest pair is used: the thread may be
         /// preempted between the two readings.
         const READINGS: usize = 8;
-        if let Clock::Virtual(_) | Clock::Staged(_) = &self.0 {
+        if self.is_stepped() {
             return Calendar::default();
         }
         let readings = (0..READINGS).map(|_| {
@@ -41,13 +46,11 @@ impl Dates {
 
     /// The date, in nanoseconds since 1970; with a virtual clock, since its start.
     pub fn now(&self) -> u64 {
-        match &self.0 {
-            Clock::Virtual(_) | Clock::Staged(_) => self.0.now(),
-            Clock::Monotonic => {
-                let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
-                since.map_or(0, nanos)
-            }
+        if self.is_stepped() {
+            return self.moment();
         }
+        let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+        since.map_or(0, nanos)
     }
 }
 

@@ -19,6 +19,7 @@ const CHANNEL: u8 = 1;
 const SAMPLE: u8 = 2;
 const LOST: u8 = 3;
 const END: u8 = 4;
+const UNTIL: u8 = 5;
 
 /// Name, among what is to be recorded, of the subjects that the daemon reports itself; their topics
 /// begin with it.
@@ -37,6 +38,10 @@ pub struct RecordingRequest {
     /// channels of ports are then of encoding `times`.
     #[serde(default, skip_serializing_if = "is_false")]
     pub times: bool,
+    /// On a stepped clock, samples of several processes come in order of their dates: those of a date
+    /// once all processes are further, which takes the next step.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub ordered: bool,
 }
 
 /// A recording was asked to end.
@@ -175,6 +180,9 @@ pub enum Frame<'a> {
     Lost(Lost),
     /// The recording ends.
     End(End),
+    /// No sample that follows has an earlier date, in nanoseconds of the stepped clock. In
+    /// [`RecordingRequest::ordered`] recordings of one process: those of several need none.
+    Until(u64),
 }
 
 /// The bytes are not a valid frame.
@@ -202,6 +210,7 @@ impl Frame<'_> {
             Self::Channel(channel) => append_json(out, CHANNEL, channel),
             Self::Lost(lost) => append_json(out, LOST, lost),
             Self::End(end) => append_json(out, END, end),
+            Self::Until(date) => append_json(out, UNTIL, date),
             Self::Sample(Sample { channel, number, date, message }) => {
                 let head = [&channel.to_le_bytes()[..], &number.to_le_bytes(), &date.to_le_bytes()];
                 append_parts(out, SAMPLE, &[head[0], head[1], head[2], message]);
@@ -225,6 +234,7 @@ impl<'a> Frame<'a> {
             SAMPLE => Self::Sample(sample(content).ok_or(NoFrame::Sample)?),
             LOST => Self::Lost(read(content)?),
             END => Self::End(read(content)?),
+            UNTIL => Self::Until(read(content)?),
             other => return Err(NoFrame::Kind(other)),
         };
         Ok(Some((frame, length)))
@@ -290,6 +300,7 @@ mod tests {
             }),
             Frame::Sample(Sample { channel: 3, number: 7, date: 9, message: &[0xAA, 0xBB] }),
             Frame::Lost(Lost { channel: 3, lost: 2 }),
+            Frame::Until(1 << 60),
             Frame::End(End { why: "asked".to_owned() }),
         ];
         for frame in &frames {

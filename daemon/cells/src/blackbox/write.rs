@@ -167,7 +167,7 @@ impl BlackBoxes {
                     recorder.lost(lost);
                     Ok(())
                 }
-                Frame::Start(_) | Frame::End(_) => Ok(()),
+                Frame::Start(_) | Frame::End(_) | Frame::Until(_) => Ok(()),
             });
             let (messages, _) = recorder.counts();
             let (short, error) = match gathered {

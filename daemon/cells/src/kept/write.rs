@@ -150,6 +150,7 @@ impl Writer<'_> {
             (Frame::Channel(channel), Some(recorder)) => recorder.channel(channel)?,
             (Frame::Sample(sample), Some(recorder)) => recorder.sample(&sample)?,
             (Frame::Lost(lost), Some(recorder)) => recorder.lost(lost),
+            (Frame::Until(_), Some(_)) => {}
             (Frame::End(end), _) => return Ok(Some(end.why)),
             (Frame::Start(_), Some(_)) | (_, None) => {
                 return Err(self.broken("a recording that does not begin".to_owned()));

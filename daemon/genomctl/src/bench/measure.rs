@@ -90,7 +90,11 @@ async fn record(
     if ports.is_empty() {
         return Ok(times);
     }
-    let request = json!(RecordingRequest { ports: ports.into_iter().collect(), times: true });
+    let request = json!(RecordingRequest {
+        ports: ports.into_iter().collect(),
+        times: true,
+        ..RecordingRequest::default()
+    });
     let body = session.client.open(&routes::record(), request.to_string().into_bytes()).await?;
     let mut frames = Frames::new(body);
     let Some(Frame::Start(start)) = frames.next().await? else {
@@ -111,7 +115,7 @@ async fn record(
                         times.entry(topic).or_default().push(taken);
                     }
                 }
-                Some(Frame::Lost(_) | Frame::Start(_)) => {}
+                Some(Frame::Lost(_) | Frame::Start(_) | Frame::Until(_)) => {}
                 Some(Frame::End(_)) => return Ok(times),
                 None => return Err(session.client.lost()),
             },

@@ -75,7 +75,7 @@ impl Samples {
                 }
             }
             Some(Frame::Lost(lost)) => plot.lost = plot.lost.max(lost.lost),
-            Some(Frame::Start(_)) => {}
+            Some(Frame::Start(_) | Frame::Until(_)) => {}
             Some(Frame::End(_)) | None => return Ok(false),
         }
         Ok(true)

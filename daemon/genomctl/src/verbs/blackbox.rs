@@ -82,6 +82,7 @@ async fn receive(path: &Path, force: bool, session: &Session) -> Result<(), Fail
                 recorder.lost(lost);
                 Ok(())
             }
+            Some(Frame::Until(_)) => Ok(()),
             Some(Frame::End(_)) => break true,
             Some(Frame::Start(_)) | None => break false,
         };

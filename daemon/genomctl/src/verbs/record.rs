@@ -49,7 +49,8 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
         let message = format!("{} is there already", args.output.display());
         return Err(Failure::usage(message, "name another file, or replace it with --force"));
     }
-    let request = json!(RecordingRequest { ports: args.ports.clone(), times: false });
+    let request =
+        json!(RecordingRequest { ports: args.ports.clone(), times: false, ordered: true });
     let body = session.client.open(&routes::record(), request.to_string().into_bytes()).await?;
     let mut frames = Frames::new(body);
     let start = match frames.next().await? {
@@ -78,6 +79,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
                         recorder.lost(lost);
                         Ok(())
                     }
+                    Ok(Some(Frame::Until(_))) => Ok(()),
                     Ok(Some(Frame::End(_))) => break true,
                     Ok(Some(Frame::Start(_)) | None) => break false,
                     Err(failure) => {

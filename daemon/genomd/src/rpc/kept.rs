@@ -52,7 +52,7 @@ async fn begun(
     wanted: KeepRequest,
 ) -> Result<KeptRecording, RpcError> {
     let KeepRequest { name, ports, seconds } = wanted;
-    let request = RecordingRequest { ports, times: false };
+    let request = RecordingRequest { ports, times: false, ordered: true };
     recordings::check(&daemon.supervisor, &daemon.cells, &request)?;
     let ports = request.ports.clone();
     let made = at_work(&daemon.kept, move |kept| kept.create(name.as_deref(), &ports)).await?;

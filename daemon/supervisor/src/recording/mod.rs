@@ -57,6 +57,8 @@ pub struct Session {
     what: What,
     /// Whether it has samples and no notes.
     quiet: bool,
+    /// Whether it says how far the clock is.
+    ordered: bool,
     /// Channels that the recording's thread has not seen yet.
     new: Mutex<Vec<(Channel, Reel)>>,
     notes: Notes,
@@ -102,6 +104,7 @@ impl Recordings {
             wanted: wanted.ports,
             what: if wanted.times { What::Times } else { What::Contents },
             quiet,
+            ordered: wanted.ordered && self.dates.is_stepped(),
             new: Mutex::default(),
             notes: Notes::default(),
             calendar: self.dates.calendar(),
@@ -280,7 +283,7 @@ impl Recordings {
     /// Starts to watch these ports, those that are opened or connected from now on. What is open
     /// gets a tape of [`tape_of`](Self::tape_of).
     pub(crate) fn watch(&self, ports: Vec<String>) -> Watch {
-        Watch(self.begin(RecordingRequest { ports, times: false }, true))
+        Watch(self.begin(RecordingRequest { ports, ..RecordingRequest::default() }, true))
     }
 
     /// Ends a watch.

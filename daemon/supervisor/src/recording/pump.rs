@@ -44,6 +44,8 @@ struct Pump<'a> {
     /// Number of the next channel, as long as there are any.
     next: Option<u16>,
     notes_lost: [u64; SUBJECTS.len()],
+    /// How far the clock was when that was told last.
+    until: u64,
     /// The machine's clock at the last note about it.
     noted: Calendar,
     sender: Sender<Vec<u8>>,
@@ -66,6 +68,7 @@ pub fn run(
         channels: Vec::new(),
         next: Some(SUBJECTS.len() as u16),
         notes_lost: [0; SUBJECTS.len()],
+        until: 0,
         noted: session.calendar,
         sender,
     };
@@ -98,6 +101,8 @@ impl Pump<'_> {
 
     /// Collects all available samples and notes.
     fn look(&mut self, out: &mut Vec<u8>) -> Result<(), Gone> {
+        // Read before the collection, which then includes everything of earlier dates.
+        let until = self.session.dates.moment();
         let new =
             std::mem::take(&mut *self.session.new.lock().unwrap_or_else(PoisonError::into_inner));
         for (mut head, reel) in new {
@@ -157,6 +162,10 @@ impl Pump<'_> {
         }
         for told in lost {
             Frame::Lost(told).append(out);
+        }
+        if self.session.ordered && until > self.until {
+            self.until = until;
+            Frame::Until(until).append(out);
         }
         Ok(())
     }

@@ -5,7 +5,7 @@
 //!
 //! Samples are sent at the rate that the table names, for 10 s unless told otherwise, and counted
 //! where they arrive: those of the bare middleware, then those of ports as codels write and read
-//! them. Calls are made one after the other, at most 1,000 a second; the bare middlewares have none
+//! them; images also between ports and a node of ROS 2 with Fast DDS. Calls are made one after the other, at most 1,000 a second; the bare middlewares have none
 //! to compare with. "Processor" is the time of both processes beside the time that passed.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a program that prints figures")]
@@ -13,6 +13,7 @@
 mod calls;
 #[path = "../hop/ends.rs"]
 mod ends;
+mod foreign;
 #[path = "../hop/ours.rs"]
 mod ours;
 mod reading;
@@ -22,7 +23,7 @@ mod writing;
 use std::error::Error;
 use std::path::Path;
 
-const BACKENDS: [&str; 4] = ["shm", "zenoh", "ros2", ours::RMW_ZENOH];
+const BACKENDS: [&str; 5] = ["shm", "zenoh", "ros2", ours::RMW_ZENOH, foreign::NAME];
 
 /// Precedes what the reading process is told.
 const READER: &str = "--reader";
@@ -73,6 +74,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         "", "", "", "sent", "arrived", "a second", "processor"
     );
     for name in BACKENDS.iter().filter(wanted) {
+        if *name == foreign::NAME {
+            foreign::measure(seconds)?;
+            continue;
+        }
         for flow in &FLOWS {
             for way in [Way::Bare, Way::Ports] {
                 writing::flow(name, flow, way, seconds)?;

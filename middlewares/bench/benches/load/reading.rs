@@ -14,7 +14,7 @@ use crate::ends::reader;
 use crate::{FLOWS, Flow, Way, calls, ours, usage};
 
 /// Nanoseconds from one look for samples to the next, like a task of 1 kHz.
-const PERIOD: u64 = 1_000_000;
+pub(crate) const PERIOD: u64 = 1_000_000;
 
 /// How many looks what is still on its way when the writer is ready may take.
 const STRAGGLERS: u32 = 500;

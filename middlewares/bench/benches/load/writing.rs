@@ -31,13 +31,13 @@ pub(crate) struct Reader {
 
 impl Reader {
     pub(crate) fn start(name: &str, place: &Path, what: &str) -> Result<Self, Box<dyn Error>> {
-        let mut process = Command::new(std::env::current_exe()?)
-            .args([READER, name])
-            .arg(place)
-            .arg(what)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()?;
+        let mut command = Command::new(std::env::current_exe()?);
+        Self::of(command.args([READER, name]).arg(place).arg(what))
+    }
+
+    /// A process that answers as a reading one does.
+    pub(crate) fn of(command: &mut Command) -> Result<Self, Box<dyn Error>> {
+        let mut process = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
         let ends = process.stdin.take().zip(process.stdout.take());
         let (to, from) = ends.ok_or("no pipes")?;
         let (heard, lines) = channel();
@@ -61,13 +61,25 @@ impl Reader {
 
     /// Samples since it was asked last, and its processor time so far.
     pub(crate) fn ask(&mut self) -> Result<(u64, Duration), Box<dyn Error>> {
-        writeln!(self.to)?;
-        let line = self.lines.recv()?;
-        let (samples, time) = line.split_once(' ').ok_or("no figures")?;
-        Ok((samples.parse()?, Duration::from_millis(time.parse()?)))
+        self.tell()?;
+        figures(&self.lines.recv()?)
     }
 
-    fn give_up(mut self) -> Result<(), Box<dyn Error>> {
+    /// Asks, and does not wait.
+    pub(crate) fn tell(&mut self) -> Result<(), Box<dyn Error>> {
+        Ok(writeln!(self.to)?)
+    }
+
+    /// What it was asked, if it has answered.
+    pub(crate) fn answer(&mut self) -> Result<Option<(u64, Duration)>, Box<dyn Error>> {
+        match self.lines.try_recv() {
+            Ok(line) => figures(&line).map(Some),
+            Err(TryRecvError::Empty) => Ok(None),
+            Err(TryRecvError::Disconnected) => Err("the other process has ended".into()),
+        }
+    }
+
+    pub(crate) fn give_up(mut self) -> Result<(), Box<dyn Error>> {
         self.process.kill()?;
         self.process.wait()?;
         Ok(())
@@ -79,6 +91,11 @@ impl Reader {
         process.wait()?;
         Ok(())
     }
+}
+
+fn figures(line: &str) -> Result<(u64, Duration), Box<dyn Error>> {
+    let (samples, time) = line.split_once(' ').ok_or("no figures")?;
+    Ok((samples.parse()?, Duration::from_millis(time.parse()?)))
 }
 
 fn ports(of: &dyn Middleware, flow: &Flow) -> Vec<Box<dyn Send>> {
@@ -127,15 +144,37 @@ pub(crate) fn flow(name: &str, flow: &Flow, way: Way, seconds: u32) -> Result<()
         _ => return Err("neither way".into()),
     };
     let mut reader = Reader::start(name, place.path(), &what)?;
+    if !meet(&mut reader, &mut ends)? {
+        println!("{name:>9} {:>18} {:>6} nothing arrives", flow.name, way.word());
+        return reader.give_up();
+    }
+    send(&mut reader, &mut ends, flow, seconds)?.print(name, flow.name, way.word());
+    reader.finish()
+}
+
+/// Sends until a sample has come on each topic; whether it has.
+pub(crate) fn meet(
+    reader: &mut Reader,
+    ends: &mut [Box<dyn Send>],
+) -> Result<bool, Box<dyn Error>> {
     let given_up = clock::now() + PATIENCE;
     while !reader.is_connected()? {
         if clock::now() > given_up {
-            println!("{name:>9} {:>18} {:>6} nothing arrives", flow.name, way.word());
-            return reader.give_up();
+            return Ok(false);
         }
         ends.iter_mut().try_for_each(|end| end.send())?;
         clock::sleep_until(clock::now() + MEETING);
     }
+    Ok(true)
+}
+
+/// Sends at the rate of the flow.
+pub(crate) fn send(
+    reader: &mut Reader,
+    ends: &mut [Box<dyn Send>],
+    flow: &Flow,
+    seconds: u32,
+) -> Result<Outcome, Box<dyn Error>> {
     let (_, before) = reader.ask()?;
     let (begun, ours) = (clock::now(), usage::processor());
     let rounds = u64::from(flow.rate) * u64::from(seconds);
@@ -146,7 +185,5 @@ pub(crate) fn flow(name: &str, flow: &Flow, way: Way, seconds: u32) -> Result<()
     let passed = Duration::from_nanos(clock::now() - begun);
     let (arrived, after) = reader.ask()?;
     let busy = usage::processor().saturating_sub(ours) + after.saturating_sub(before);
-    let sent = rounds * flow.topics as u64;
-    Outcome { sent, arrived, passed, busy }.print(name, flow.name, way.word());
-    reader.finish()
+    Ok(Outcome { sent: rounds * flow.topics as u64, arrived, passed, busy })
 }

@@ -13,3 +13,4 @@ mod simulated_time;
 mod stalled;
 mod typed_iceoryx2;
 mod zenoh_doctor;
+mod zenoh_node;

@@ -1,48 +1,31 @@
-//! Daemons on ROS 2 over zenoh, and a node made independently on plain zenoh
-//! (`middlewares/ros2/tests/rmw_zenoh.py`), which is the router, too.
+//! Daemons on ROS 2 over zenoh, and a node that is no genomd.
 
-use std::process::Command;
-
-use genom_components::peer::Peer;
-use genom_components::python;
-use genom_tests::{Daemon, Home, component, path, repository, signal};
+use genom_tests::{Daemon, Home, component, path, signal};
 use serde_json::{Value, json};
 
-/// A node that is the router, and a daemon that finds it.
+use super::zenoh_node::Node;
+
+/// A node, and a daemon that finds it.
 struct World {
     daemon: Daemon,
-    node: Peer,
-    _place: tempfile::TempDir,
+    node: Node,
 }
 
 impl World {
     fn new(configuration: &str, arguments: &[&str]) -> Self {
-        let place = tempfile::tempdir().unwrap();
-        let router = format!("unixsock-stream/{}", place.path().join("router").display());
-        let environment = python::environment(&["eclipse-zenoh==1.10.2", "xxhash==3.5.0"]).unwrap();
-        let mut node = Command::new(environment);
-        node.arg(repository().join("middlewares/ros2/tests/rmw_zenoh.py"));
-        let node = Peer::start(node.args([&router, "router"]));
-        let options = [
-            "backend=\"ros2\"".to_owned(),
-            "backends.ros2.rmw=\"zenoh\"".to_owned(),
-            "backends.ros2.domain=0".to_owned(),
-            "backends.ros2.namespace=\"\"".to_owned(),
-            format!("backends.ros2.zenoh.connect=[{router:?}]"),
-            "backends.ros2.zenoh.listen=[\"tcp/127.0.0.1:0\"]".to_owned(),
-        ];
-        let mut all: Vec<&str> = options.iter().flat_map(|option| ["--set", option]).collect();
-        all.extend(arguments);
+        let node = Node::start();
+        let options = node.options(&[&["--backend", "ros2"], arguments].concat());
+        let options: Vec<&str> = options.iter().map(String::as_str).collect();
         // A lease of an hour: that a daemon has ended shows by its connection, or not at all here.
         let by = ["env", "ZENOH_CONFIG_OVERRIDE=transport/link/tx/lease=3600000"];
-        let daemon = Home::new().configured(configuration).start_by(&by, &all);
-        Self { daemon, node, _place: place }
+        let daemon = Home::new().configured(configuration).start_by(&by, &options);
+        Self { daemon, node }
     }
 
     /// The next status of this name on `/diagnostics`, with this text in it.
     fn diagnosed(&mut self, name: &str, text: &str) -> Status {
         loop {
-            let sample = self.node.ask(&json!(["sample", "/diagnostics"]));
+            let sample = self.node.peer.ask(&json!(["sample", "/diagnostics"]));
             let all = statuses(&bytes(sample["body"].as_str().expect("a body")));
             let wanted = |one: &Status| one.name == name && one.message.contains(text);
             if let Some(found) = all.into_iter().find(wanted) {
@@ -132,13 +115,13 @@ const LOAD_NODE: [&str; 2] = [
 #[test]
 fn a_killed_daemon_is_gone_from_ros_at_once_though_a_gateway_had_its_session() {
     let demo = component("demo");
-    let World { daemon, mut node, _place } = World::new("", &[path(&demo.library)]);
-    node.ask(&json!(["there", "/NN/%/%/demo"]));
-    node.ask(&json!(["there", "/MP/%/%/demo/%demo%position/"]));
+    let World { daemon, mut node } = World::new("", &[path(&demo.library)]);
+    node.peer.ask(&json!(["there", "/NN/%/%/demo"]));
+    node.peer.ask(&json!(["there", "/MP/%/%/demo/%demo%position/"]));
     let (_, _home) = daemon.stop("KILL");
-    node.ask(&json!(["gone", "/%/%/demo"]));
+    node.peer.ask(&json!(["gone", "/%/%/demo"]));
     // The program's own node, too.
-    node.ask(&json!(["gone", "genomd"]));
+    node.peer.ask(&json!(["gone", "genomd"]));
 }
 
 #[test]
@@ -146,7 +129,7 @@ fn a_component_whose_process_ended_is_an_error_on_diagnostics_until_it_is_back()
     let demo = component("demo");
     let mut world = World::new("", &["--isolated", path(&demo.library)]);
     let [ty, hash] = DIAGNOSTICS;
-    world.node.ask(&json!(["read", "/diagnostics", ty, hash, false]));
+    world.node.peer.ask(&json!(["read", "/diagnostics", ty, hash, false]));
     let name = "demo: cell demo";
     assert_eq!(world.diagnosed(name, "").message, "its process runs");
     let cells = world.daemon.home().get("/cells");
@@ -164,20 +147,20 @@ fn a_component_whose_process_ended_is_an_error_on_diagnostics_until_it_is_back()
 fn a_launch_file_loads_a_component_over_zenoh() {
     let demo = component("demo");
     let container = format!("[container]\ncomponents = [{:?}]\n", path(&demo.library));
-    let World { daemon, mut node, _place } = World::new(&container, &[]);
+    let World { daemon, mut node } = World::new(&container, &[]);
     let [ty, hash] = LOAD_NODE;
     let service = "/container/_container/load_node";
-    node.ask(&json!(["client", service, ty, hash]));
+    node.peer.ask(&json!(["client", service, ty, hash]));
     // Package, plugin, name and namespace of the node; level of its log; no rules, parameters or
     // extra arguments.
     let names = ["demo", "demo", "arm", "/base"].map(text).concat();
     let request = format!("00010000{names}{}", "00000000".repeat(4));
-    let reply = node.ask(&json!(["call", service, request]));
+    let reply = node.peer.ask(&json!(["call", service, request]));
     let body = bytes(reply["body"].as_str().unwrap_or_else(|| panic!("{reply}")));
     let mut reply = Cdr { all: &body[4..], at: 0 };
     assert_eq!((reply.octet(), reply.text()), (1, String::new()), "no error");
     assert_eq!(reply.text(), "/base/arm");
-    node.ask(&json!(["there", "/NN/%/%base/arm"]));
+    node.peer.ask(&json!(["there", "/NN/%/%base/arm"]));
     let components: Value = daemon.home().get("/components");
     assert_eq!(components["components"][0]["name"], "arm", "{components}");
 }

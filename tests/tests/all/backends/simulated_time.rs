@@ -1,11 +1,11 @@
 //! `clock = "ros"`: time of components is what a simulator publishes on `/clock`.
 
-use std::process::Command;
-
 use genom_components::peer::Peer;
-use genom_components::{python, ros2};
-use genom_tests::{Daemon, Home, component, path, repository, request, until};
+use genom_components::ros2;
+use genom_tests::{Daemon, Home, component, path, request, until};
 use serde_json::{Value, json};
+
+use super::zenoh_node::Node;
 
 /// `rosgraph_msgs/msg/Clock` as its key has it in ROS 2 over zenoh, and its hash as ROS publishes it.
 const CLOCK: [&str; 2] = [
@@ -140,23 +140,12 @@ fn what_is_no_date_is_left_out_and_only_the_simulator_steps_that_clock() {
 
 #[test]
 fn a_simulator_is_followed_over_zenoh_as_well() {
-    let place = tempfile::tempdir().unwrap();
-    let router = format!("unixsock-stream/{}", place.path().join("router").display());
-    let environment = python::environment(&["eclipse-zenoh==1.10.2", "xxhash==3.5.0"]).unwrap();
-    let mut node = Command::new(environment);
-    node.arg(repository().join("middlewares/ros2/tests/rmw_zenoh.py")).args([&router, "router"]);
-    let mut peer = Peer::start(&mut node);
-    let connect = format!("backends.ros2.zenoh.connect=[\"{router}\"]");
-    let options = [
-        "backends.ros2.rmw=\"zenoh\"",
-        "backends.ros2.domain=0",
-        &connect,
-        "backends.ros2.zenoh.listen=[\"tcp/127.0.0.1:0\"]",
-    ];
-    let mut arguments: Vec<&str> = options.iter().flat_map(|option| ["--set", option]).collect();
+    let mut node = Node::start();
     let demo = component("demo");
-    arguments.extend(["--clock", "ros", path(&demo.library)]);
-    let daemon = Home::new().start(&arguments);
+    let options = node.options(&["--clock", "ros", path(&demo.library)]);
+    let options: Vec<&str> = options.iter().map(String::as_str).collect();
+    let daemon = Home::new().start(&options);
+    let peer = &mut node.peer;
     let [ty, hash] = CLOCK;
     peer.ask(&json!(["write", "/clock", ty, hash, false]));
     let mut milliseconds = 0_u32;
