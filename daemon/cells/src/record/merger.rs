@@ -4,15 +4,30 @@ use std::collections::HashMap;
 
 use genom_protocol::frames::{Channel, Frame, Lost, Sample};
 
-use super::OWN;
 use super::order::{Held, Order};
-use super::source::Source;
+
+/// Key and rank of the daemon; cells follow.
+const OWN: usize = 0;
 
 /// Changes of cells are told on by the daemon, which records them with its own.
 const CHANGES: &str = "/genom/changes";
 
 /// Channels of a recording: their numbers have 16 bits.
 const MOST: usize = 1 << 16;
+
+/// Which process a frame is of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Origin {
+    /// By which the channels there are known.
+    pub(super) key: usize,
+    /// Its rank in the order of processes; the next process of a cell has the same.
+    pub(super) rank: usize,
+}
+
+impl Origin {
+    /// The daemon itself.
+    pub(super) const DAEMON: Self = Self { key: OWN, rank: OWN };
+}
 
 /// Makes one stream of several: with one numbering, and in order where there is one.
 #[derive(Default)]
@@ -39,8 +54,8 @@ impl Merger {
     }
 
     /// Takes a frame of a source, and appends what becomes of it.
-    pub(super) fn take(&mut self, source: &Source, frame: Frame<'_>, out: &mut Vec<u8>) {
-        let key = source.key;
+    pub(super) fn take(&mut self, of: Origin, frame: Frame<'_>, out: &mut Vec<u8>) {
+        let Origin { key, rank } = of;
         match frame {
             Frame::Start(start) if key == OWN => {
                 if self.processes > 0 && start.clock.is_stepped() {
@@ -56,12 +71,12 @@ impl Merger {
                 match &mut self.order {
                     Some(order) => {
                         let message = message.to_vec();
-                        order.hold(source.process, Held { channel, date, message });
+                        order.hold(rank, Held { channel, date, message });
                     }
                     None => self.pass(channel, date, message, out),
                 }
             }
-            Frame::Until(date) => self.has_come(source.process, date, out),
+            Frame::Until(date) => self.has_come(rank, date, out),
             Frame::Lost(Lost { channel, lost }) => {
                 let Some(&channel) = self.channels.get(&(key, channel)) else { return };
                 let all = self.lost.entry(channel).or_default();
@@ -72,9 +87,9 @@ impl Merger {
     }
 
     /// What is dated before that has come from a process; all of it, from one that has ended.
-    pub(super) fn has_come(&mut self, process: usize, until: u64, out: &mut Vec<u8>) {
+    pub(super) fn has_come(&mut self, rank: usize, until: u64, out: &mut Vec<u8>) {
         if let Some(order) = &mut self.order {
-            order.has_come(process, until);
+            order.has_come(rank, until);
             self.pass_held(out);
         }
     }
@@ -174,7 +189,7 @@ mod tests {
             (0, Frame::Lost(Lost { channel: 0, lost: 2 })),
             (1, Frame::Lost(Lost { channel: 0, lost: 3 })),
         ] {
-            merger.take(&Source::new(None, source, source), frame, &mut out);
+            merger.take(Origin { key: source, rank: source }, frame, &mut out);
         }
         let told = all(&out);
         assert_eq!(
@@ -197,26 +212,13 @@ mod tests {
         let (mut merger, mut out) = (Merger::default(), Vec::new());
         for number in 0..MOST + 2 {
             let of = (number % MOST) as u16;
-            let source = Source::new(None, number / MOST, 0);
-            merger.take(&source, channel(of, &format!("/a/{number}")), &mut out);
+            let origin = Origin { key: number / MOST, rank: 0 };
+            merger.take(origin, channel(of, &format!("/a/{number}")), &mut out);
         }
         let told = all(&out);
         assert_eq!((told.len(), told.last().unwrap().as_str()), (MOST, "65535 /a/65535"));
         out.clear();
-        merger.take(&Source::new(None, 1, 1), sample(1, 0, &[1]), &mut out);
+        merger.take(Origin { key: 1, rank: 1 }, sample(1, 0, &[1]), &mut out);
         assert!(out.is_empty(), "it has no channel");
-    }
-
-    #[test]
-    fn frames_survive_any_cut() {
-        let mut bytes = Vec::new();
-        channel(7, "/far/pose").append(&mut bytes);
-        sample(7, 0, &[9; 40]).append(&mut bytes);
-        for cut in 0..=bytes.len() {
-            let (mut source, mut merger) = (Source::new(None, 1, 1), Merger::default());
-            let mut out = source.take(&bytes[..cut], &mut merger);
-            out.extend(source.take(&bytes[cut..], &mut merger));
-            assert_eq!(all(&out).len(), 2, "{cut}");
-        }
     }
 }

@@ -14,7 +14,7 @@ use hyper::body::{Bytes, Incoming};
 use tokio::sync::{mpsc, watch};
 use tokio::time::timeout;
 
-use self::merger::Merger;
+use self::merger::{Merger, Origin};
 use self::source::Source;
 use crate::cell::Cell;
 use crate::cells::{Cells, OpenError};
@@ -25,9 +25,6 @@ const WAITING: usize = 8;
 
 /// How long a cell may take for the samples that it took before it was asked to end.
 const LAST: Duration = Duration::from_secs(5);
-
-/// The daemon's own frames; cells follow.
-const OWN: usize = 0;
 
 /// Recordings of cells that have begun.
 pub struct Recorded {
@@ -104,7 +101,8 @@ impl Recorded {
             tokio::spawn(pass(rank, begun, sender.clone(), is_over.clone()));
         }
         drop(sender);
-        let (mut merger, mut mine) = (Merger::ordered(processes), Source::new(None, OWN, OWN));
+        let (mut merger, mut mine) =
+            (Merger::ordered(processes), Source::new(None, Origin::DAEMON));
         // The daemon's first frames come first: they begin the stream.
         let mut goes_on = true;
         while goes_on {
@@ -152,14 +150,15 @@ impl Recorded {
 #[derive(Default)]
 struct Theirs {
     sources: Vec<Source>,
-    /// How many there were; [`OWN`] is none of them.
+    /// How many there were, but for the daemon.
     begun: usize,
 }
 
 impl Theirs {
     fn add(&mut self, cell: &Arc<Cell>) {
         self.begun += 1;
-        self.sources.push(Source::new(Some(Arc::clone(cell)), self.begun, self.begun));
+        let origin = Origin { key: self.begun, rank: self.begun };
+        self.sources.push(Source::new(Some(Arc::clone(cell)), origin));
     }
 
     /// The frames that become of what came.
@@ -168,11 +167,12 @@ impl Theirs {
         let mut out = Vec::new();
         match piece {
             Piece::Bytes(bytes) => return source.take(&bytes, merger),
-            Piece::Over => merger.has_come(source.process, u64::MAX, &mut out),
+            Piece::Over => merger.has_come(source.origin.rank, u64::MAX, &mut out),
             Piece::Again => {
                 self.begun += 1;
-                *source = Source::new(source.cell.take(), self.begun, source.process);
-                merger.has_come(source.process, 0, &mut out);
+                let origin = Origin { key: self.begun, ..source.origin };
+                *source = Source::new(source.cell.take(), origin);
+                merger.has_come(origin.rank, 0, &mut out);
             }
         }
         out
