@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::os::unix::net::UnixStream;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError, sync_channel};
 use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
 use std::thread::{self, ThreadId};
 use std::time::{Duration, Instant};
@@ -69,6 +69,8 @@ pub(crate) struct Book {
     pub(crate) ends: HashMap<u32, End>,
     /// Ends that are being closed.
     pub(crate) closing: HashMap<u32, SyncSender<()>>,
+    /// Those that the thread closed which would hear of it, and could not wait for.
+    unheard: Vec<Receiver<()>>,
     pub(crate) calls: HashMap<u64, Call>,
     pub(crate) questions: HashMap<u64, SyncSender<(Answer, Vec<u8>)>>,
     /// Foreign names, by full name of the type or service.
@@ -282,7 +284,9 @@ impl Shared {
     }
 
     /// Closes an end. Waits until it is closed, so that its address is free, but not on the thread
-    /// that would hear of it.
+    /// that would hear of it: that one drops a handler of requests, and the ends that it has of its
+    /// own, if the service is closed while it calls the handler. Whoever closed the service waits for
+    /// these, too.
     pub(crate) fn close(&self, end: u32) {
         let (told, closed) = sync_channel(1);
         // Dropped without the lock: a handler of requests may have ends of its own.
@@ -297,9 +301,20 @@ impl Shared {
         }
         drop(gone);
         self.ring();
-        if self.hearing.get() != Some(&thread::current().id()) {
+        if self.hearing.get() == Some(&thread::current().id()) {
+            let mut book = lock(&self.book);
+            book.unheard.retain(|closed| closed.try_recv() == Err(TryRecvError::Empty));
+            book.unheard.push(closed);
+            return;
+        }
+        let _ = closed.recv_timeout(CLOSING);
+        let unheard = {
+            let mut book = lock(&self.book);
+            book.closing.remove(&end);
+            std::mem::take(&mut book.unheard)
+        };
+        for closed in unheard {
             let _ = closed.recv_timeout(CLOSING);
-            lock(&self.book).closing.remove(&end);
         }
     }
 
