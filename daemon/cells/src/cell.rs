@@ -2,6 +2,7 @@
 
 mod again;
 mod failing;
+mod fall;
 mod hearing;
 mod reached;
 mod standing;
@@ -18,7 +19,7 @@ use rustix::process::Signal;
 use tokio::sync::watch;
 use tokio::time::{sleep, timeout};
 
-use self::standing::Fall;
+use self::fall::Fall;
 use crate::client::Client;
 use crate::crashes::{Dump, Known, learn};
 use crate::done::Waiting;
