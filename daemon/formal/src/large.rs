@@ -99,10 +99,10 @@ impl System {
             let (parts, seek_begin) = (self.parts(times, sum), Instant::now());
             open -= 1;
             let all = limits.share(begin, open);
-            let run = parts.iter().zip(1..).find_map(|(part, number)| {
-                let limits = all.share(seek_begin, parts.len() - number);
-                let limits = Limits { states: limits.states.min(ZONES), ..limits };
-                self.with_cycles(times, *task, &latest, |longest| {
+            let run = self.with_cycles(times, *task, &latest, |longest| {
+                parts.iter().zip(1..).find_map(|(part, number)| {
+                    let limits = all.share(seek_begin, parts.len() - number);
+                    let limits = Limits { states: limits.states.min(ZONES), ..limits };
                     seek(part, times, &limits, &Potential::new(part, times, *task, longest)?)
                 })
             });

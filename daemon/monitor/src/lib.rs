@@ -1,6 +1,6 @@
 //! Heartbeats, orders and formulas over what happens in a component, judged as it happens: each
-//! event costs a fixed number of steps and no memory. Dates and names are others' concern: `genom-runtime` judges
-//! what happens, `genom-formal` what may happen.
+//! event costs a fixed number of steps and no memory. Dates and names are others' concern:
+//! `genom-runtime` judges what happens, `genom-formal` what may happen.
 
 #![forbid(unsafe_code)]
 

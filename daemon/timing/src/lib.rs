@@ -3,10 +3,12 @@
 
 #![forbid(unsafe_code)]
 
+mod duration;
 mod load;
 mod ticks;
 mod zone;
 
+pub use duration::duration;
 pub use load::{Load, alone, together};
 pub use ticks::{Period, common, cycles};
 pub use zone::{Guards, Zone};

@@ -1,11 +1,11 @@
 //! Cycles of a task, each from its own beginning.
 
-use crate::action::Action;
-use crate::duration::duration;
-use crate::state::{At, Phase, State};
-use crate::system::System;
+use genom_timing::duration;
 
 use super::clocked::{Led, Step, Watch};
+use crate::action::Action;
+use crate::state::{At, Phase, State};
+use crate::system::System;
 
 /// The task that does something by a step.
 fn of_task(system: &System, action: Action) -> Option<u16> {

@@ -2,12 +2,12 @@
 
 use std::collections::VecDeque;
 
+use genom_timing::duration;
 use indexmap::IndexSet;
 
 use super::clocked::{Led, Step, Watch};
 use super::cycles::ends;
 use crate::action::Action;
-use crate::duration::duration;
 use crate::memory::{ENTRY, PIECE};
 use crate::state::{At, Phase, State, Task};
 use crate::system::System;

@@ -7,20 +7,19 @@
 use std::cell::RefCell;
 use std::collections::HashMap;
 
+use genom_timing::common;
+
 use super::contexts::{Adds, Contexts};
 use super::walk::{Dates, Does, Enters, Latest, Walk};
 use crate::codels::small;
 use crate::system::System;
 use crate::timed::Times;
-use genom_timing::common;
 
-/// How long a cycle gets that begins with these activities.
-pub(crate) type Longest<'a> = dyn Fn(&[(u16, Does)]) -> u64 + 'a;
+/// How long a cycle may get that begins with these activities; anything if it cannot be told.
+pub(crate) type CycleLength<'a> = dyn Fn(&[(u16, Does)]) -> u64 + 'a;
 
 /// Ticks of a task, from one date at which all tick to the next.
 const TICKS: u64 = 64;
-/// Lists of activities whose cycles are walked through for one search: more would take too long.
-const LISTS: usize = 1_000;
 
 impl System {
     /// The latest dates of the cycles of periodic tasks while requests are served, each task on a
@@ -35,9 +34,7 @@ impl System {
             for task in 0..small(known.len()) {
                 let index = usize::from(task);
                 let period = self.periods[index].map_or(0, |own| own.period);
-                let in_time = |walk: Walk<'_>| {
-                    walk.from(Vec::new(), true).filter(|found| found.cycle < period)
-                };
+                let in_time = |walk: Walk<'_>| walk.from(None).filter(|found| found.cycle < period);
                 let found = self.at_ticks(times, task, (&facts, &linked), &known, &in_time);
                 let before = known[index].as_ref();
                 let sum =
@@ -70,21 +67,15 @@ impl System {
         times: &Times,
         task: u16,
         known: &[Option<Latest>],
-        then: impl FnOnce(&Longest<'_>) -> T,
+        then: impl FnOnce(&CycleLength<'_>) -> T,
     ) -> T {
         let contexts = Contexts::new(self);
         let Some(linked) = self.linked(times, &contexts) else { return then(&|_| u64::MAX) };
         let facts = Facts::all(self, times, (&contexts, &linked));
-        let found = RefCell::new(HashMap::<Vec<(u16, Does)>, u64>::new());
         then(&|runs| {
-            if let Some(cycle) = found.borrow().get(runs) {
-                return *cycle;
-            }
-            let from = |walk: Walk<'_>| walk.from(runs.to_vec(), false);
-            let all = || self.at_ticks(times, task, (&facts, &linked), known, &from);
-            let latest = (found.borrow().len() < LISTS).then(all).flatten();
-            let cycle = latest.map_or(u64::MAX, |latest| latest.cycle);
-            *found.borrow_mut().entry(runs.to_vec()).or_insert(cycle)
+            let from = |walk: Walk<'_>| walk.from(Some(runs.to_vec()));
+            let latest = self.at_ticks(times, task, (&facts, &linked), known, &from);
+            latest.map_or(u64::MAX, |latest| latest.cycle)
         })
     }
 
@@ -294,7 +285,7 @@ impl<'a> Facts<'a> {
                 dates.now.saturating_add(waits[usize::from(node)])
             };
             let with = (&enters as &Enters<'_>, self.linked);
-            Walk::new(self.system, self.times, self.task, with, beside).from(Vec::new(), true)
+            Walk::new(self.system, self.times, self.task, with, beside).from(None)
         });
         latest.as_ref().map(|latest| latest.left[usize::from(node)])
     }

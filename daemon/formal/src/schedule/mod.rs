@@ -22,7 +22,7 @@ mod window;
 pub use changes::Change;
 pub(crate) use dearest::Dearest;
 pub use known::{Cause, Meanwhile};
-pub(crate) use latest::Longest;
+pub(crate) use latest::CycleLength;
 pub use machine::{Machine, OnMachine, Placed, Threads};
 pub use report::{Called, Processors, Schedule, Scheduled, Waits};
 pub(crate) use walk::Does;

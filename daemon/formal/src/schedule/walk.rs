@@ -5,11 +5,12 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
+use rustc_hash::FxBuildHasher;
+
 use crate::action::Answer;
 use crate::codels::small;
 use crate::system::System;
 use crate::timed::Times;
-use rustc_hash::FxBuildHasher;
 
 /// Places of cycles that are looked at for one task.
 const MOST: usize = 100_000;
@@ -96,11 +97,12 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// With these activities at the tick, and if `first`, any behind them; `None` if that is too many.
-    pub(super) fn from(mut self, runs: Vec<(u16, Does)>, mut first: bool) -> Option<Latest> {
+    /// With these activities at the tick, or any; `None` if there are too many cycles.
+    pub(super) fn from(mut self, runs: Option<Vec<(u16, Does)>>) -> Option<Latest> {
+        let mut first = runs.is_none();
         // Places of the tick's pass by the number of activities in it, then those of later passes.
         let begin = Dates { now: 0, left: vec![0; self.system.periods.len()].into() };
-        let mut present = Places::from_iter([((runs, 0, false, false), begin)]);
+        let mut present = Places::from_iter([((runs.unwrap_or_default(), 0, false, false), begin)]);
         let (mut later, mut looked) = (Places::default(), 0);
         while !present.is_empty() {
             let mut next = Places::default();

@@ -1,19 +1,27 @@
 //! How long a cycle of a task may still get, by what each of its activities may execute.
 
+use std::cell::RefCell;
+use std::collections::HashMap;
+
 use super::clocks::Clock;
 use super::explore::works;
 use super::times::Times;
-use crate::schedule::{Dearest, Does, Longest};
+use crate::schedule::{CycleLength, Dearest, Does};
 use crate::state::{At, Life, Mode, Pc, Run, State};
 use crate::system::System;
 use genom_timing::Zone;
+
+/// Lists of activities whose cycles are walked through for one search: more would take too long.
+const LISTS: usize = 1_000;
 
 /// What each state of the machines of a task may lead to in one cycle.
 pub(crate) struct Potential<'a> {
     pub(super) task: u16,
     pub(super) period: u64,
     dearest: Dearest,
-    longest: &'a Longest<'a>,
+    longest: &'a CycleLength<'a>,
+    /// What that said before.
+    told: RefCell<HashMap<Vec<(u16, Does)>, u64>>,
 }
 
 impl<'a> Potential<'a> {
@@ -22,11 +30,11 @@ impl<'a> Potential<'a> {
         system: &System,
         times: &Times,
         task: u16,
-        longest: &'a Longest<'a>,
+        longest: &'a CycleLength<'a>,
     ) -> Option<Self> {
         let dearest = Dearest::new(system, times, task)?;
         let period = system.periods[usize::from(task)]?.period;
-        Some(Self { task, period, dearest, longest })
+        Some(Self { task, period, dearest, longest, told: RefCell::default() })
     }
 
     /// The longest time from its tick to the end of the cycle that a task is in, or of its next one
@@ -48,7 +56,7 @@ impl<'a> Potential<'a> {
             let more = waiting.iter().map(|machine| self.dearest.begun(*machine));
             let sum = runs.chain(more).fold(0, u64::saturating_add);
             let listed = if sum < self.period { None } else { listed(system, sent(), &waiting) };
-            return listed.map_or(sum, |runs| sum.min((self.longest)(&runs)));
+            return listed.map_or(sum, |runs| sum.min(self.walked(runs)));
         }
         let present = match me.at {
             At::Codel { run, place } => Some((run, place)),
@@ -71,6 +79,14 @@ impl<'a> Potential<'a> {
     ) -> u64 {
         let before = if works(state, usize::from(self.task)) { self.period } else { 0 };
         before.saturating_add(self.ends(times, state, (clocks, zone)))
+    }
+
+    /// How long a cycle may get that begins with these activities.
+    fn walked(&self, runs: Vec<(u16, Does)>) -> u64 {
+        let mut told = self.told.borrow_mut();
+        let walks = told.len() < LISTS;
+        let walk = |runs: &Vec<_>| if walks { (self.longest)(runs) } else { u64::MAX };
+        *told.entry(runs).or_insert_with_key(walk)
     }
 
     /// Machines of activities that were requested and not sent to the task.

@@ -48,10 +48,15 @@ impl Reader {
 
     /// Whether it has said that it is connected.
     pub(crate) fn is_connected(&self) -> Result<bool, Box<dyn Error>> {
+        Ok(self.line()?.is_some())
+    }
+
+    /// A line that it has said.
+    fn line(&self) -> Result<Option<String>, Box<dyn Error>> {
         match self.lines.try_recv() {
-            Ok(_) => Ok(true),
-            Err(TryRecvError::Empty) => Ok(false),
-            Err(TryRecvError::Disconnected) => Err("the reading process has ended".into()),
+            Ok(line) => Ok(Some(line)),
+            Err(TryRecvError::Empty) => Ok(None),
+            Err(TryRecvError::Disconnected) => Err("the other process has ended".into()),
         }
     }
 
@@ -72,11 +77,7 @@ impl Reader {
 
     /// What it was asked, if it has answered.
     pub(crate) fn answer(&mut self) -> Result<Option<(u64, Duration)>, Box<dyn Error>> {
-        match self.lines.try_recv() {
-            Ok(line) => figures(&line).map(Some),
-            Err(TryRecvError::Empty) => Ok(None),
-            Err(TryRecvError::Disconnected) => Err("the other process has ended".into()),
-        }
+        self.line()?.map(|line| figures(&line)).transpose()
     }
 
     pub(crate) fn give_up(mut self) -> Result<(), Box<dyn Error>> {
