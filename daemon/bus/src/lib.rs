@@ -22,7 +22,7 @@ use tokio::sync::broadcast;
 use tokio::sync::broadcast::error::RecvError;
 
 use crate::chronicle::{Chronicle, Excerpt};
-pub use crate::numbered::Numbered;
+pub use crate::numbered::{Numbered, Teller};
 
 /// Number of messages kept for listeners that reconnect (`Last-Event-ID`).
 const KEPT: usize = 1024;
@@ -78,15 +78,15 @@ impl Bus {
 
     /// Sends a change to all listeners.
     pub fn tell(&self, change: &Change) {
-        let told = self.numbers.send(change);
+        let told = self.numbers.send(change, None);
         if let Some(Also(hear)) = self.also.get() {
             hear(&told);
         }
     }
 
-    /// Tells on a change that another process of this daemon told.
-    pub fn tell_on(&self, change: &Value) {
-        self.numbers.add(change);
+    /// Tells on a change of another process of this daemon, with who told it if it was told there.
+    pub fn tell_on(&self, change: &Value, teller: Option<Teller>) {
+        self.numbers.send(change, teller);
     }
 
     /// Has `hear` called with each change of this process, by the thread that tells it: what it
@@ -116,7 +116,13 @@ impl Bus {
 
     /// The changes from now on, for receivers that count their losses themselves.
     pub fn live(&self) -> broadcast::Receiver<Numbered> {
-        self.numbers.live.subscribe()
+        self.live_after().0
+    }
+
+    /// The same, with the number of the last change before them.
+    pub fn live_after(&self) -> (broadcast::Receiver<Numbered>, u64) {
+        let past = self.numbers.past.lock().unwrap_or_else(PoisonError::into_inner);
+        (self.numbers.live.subscribe(), past.last)
     }
 }
 
@@ -186,14 +192,14 @@ impl Numbers {
 
     /// Gives the message a number and sends it to all listeners.
     pub fn add(&self, told: &impl Serialize) {
-        self.send(told);
+        self.send(told, None);
     }
 
-    fn send(&self, told: &impl Serialize) -> Numbered {
+    fn send(&self, told: &impl Serialize, teller: Option<Teller>) -> Numbered {
         let data = Arc::new(serde_json::to_value(told).unwrap_or_default());
         let mut past = self.past.lock().unwrap_or_else(PoisonError::into_inner);
         past.last += 1;
-        let numbered = Numbered { id: past.last, moment: self.dates.moment(), data };
+        let numbered = Numbered { id: past.last, moment: self.dates.moment(), data, teller };
         if past.kept.len() == KEPT {
             past.kept.pop_front();
         }

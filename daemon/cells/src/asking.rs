@@ -63,7 +63,7 @@ impl Cell {
     /// It does not answer, or refuses.
     pub async fn text(&self, route: &Route<routes::Bytes>) -> Result<String, AskError> {
         self.answers().await.map_err(|down| AskError::Gone(down.to_string()))?;
-        let body = self.client().stream(route, &()).await?;
+        let body = self.client().stream(route, &()).await?.into_body();
         let body = body.collect().await.map_err(|error| AskError::Gone(error.to_string()))?;
         Ok(String::from_utf8_lossy(&body.to_bytes()).into_owned())
     }
@@ -76,7 +76,7 @@ impl Cell {
         &self,
         route: &Route<routes::Bytes, Q, B>,
         body: &B,
-    ) -> Result<Incoming, AskError> {
+    ) -> Result<Response<Incoming>, AskError> {
         self.client().stream(route, body).await
     }
 }

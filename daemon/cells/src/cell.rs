@@ -134,6 +134,11 @@ impl Cell {
         &self.name
     }
 
+    /// Number of its process, while it has one.
+    pub(crate) fn pid(&self) -> Option<u32> {
+        self.with(|state| state.pid)
+    }
+
     /// What supervisors see of it.
     #[must_use]
     pub fn told(&self) -> genom_protocol::Cell {

@@ -107,14 +107,14 @@ impl Client {
         &self,
         route: &Route<routes::Bytes, Q, B>,
         body: &B,
-    ) -> Result<Incoming, AskError> {
+    ) -> Result<Response<Incoming>, AskError> {
         let body =
             serde_json::to_vec(body).map_err(|error| AskError::Misread(error.to_string()))?;
         let request = self.request(route.method, &route.path).body(Full::new(body.into()));
         let request = request.map_err(|error| AskError::Misread(error.to_string()))?;
         let response = self.send::<Full<Bytes>>(request).await?;
         match response.status().is_success() {
-            true => Ok(response.into_body()),
+            true => Ok(response),
             false => Err(refusal(response).await),
         }
     }

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use genom_configuration::{CellLimits, CellSettings, Config, Reaction};
 use genom_protocol::Change;
 use genom_protocol::freeze::MOST;
+use genom_supervisor::bus::Teller;
 use genom_supervisor::connections::between_processes;
 use rustix::process::Signal;
 use serde_json::Value;
@@ -57,8 +58,8 @@ pub(crate) enum WriteError {
 /// Something to be told on.
 #[derive(Clone, Debug)]
 pub enum Told {
-    /// A change of a cell's own.
-    Change(Value),
+    /// A change of a cell's own, with who told it: no one, if its process left it and has ended.
+    Change(Value, Option<Teller>),
     /// An entry of a cell's log.
     Log(Value),
     /// What became of a cell.

@@ -123,11 +123,11 @@ fn cells(
         stop_timeout: settings.supervisor.stop_timeout,
         embedded: settings.program.is_some(),
         hears: Box::new(move |told| match told {
-            Told::Change(change) => {
+            Told::Change(change, teller) => {
                 if let Some((component, why)) = withholds(&change) {
                     withheld.withhold(component, why);
                 }
-                bus.tell_on(&change);
+                bus.tell_on(&change, teller);
             }
             Told::Log(entry) => logs::past().add(&entry),
             Told::Cell(change) => bus.tell(&change),

@@ -16,7 +16,7 @@ use genom_runtime::{Clock, Execution, Executor, VirtualClock};
 use crate::components::{Components, Hosted, UnloadError};
 use crate::connections::{self, Connections, Opening};
 use crate::reactor::Reactions;
-use crate::recording::{BlackBox, Recordings, Session, Watch, heads};
+use crate::recording::{Apart, BlackBox, Recordings, Session, Watch, heads};
 use crate::settings::Settings;
 use crate::vigil;
 use genom_bus::flag::Flag;
@@ -162,9 +162,10 @@ impl Supervisor {
     }
 
     /// Starts a recording of these components and ports, or of everything if `wanted` is empty.
-    /// Samples are taken from now on. Blocks while codels are excluded.
-    pub fn record(&self, wanted: RecordingRequest) -> Arc<Session> {
-        let session = self.recordings.start(wanted);
+    /// Samples are taken from now on, but not the changes of processes that record theirs themselves.
+    /// Blocks while codels are excluded.
+    pub fn record(&self, wanted: RecordingRequest, apart: Arc<Apart>) -> Arc<Session> {
+        let session = self.recordings.start(wanted, apart);
         self.components.all().iter().for_each(|hosted| hosted.record());
         session
     }

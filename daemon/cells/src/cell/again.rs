@@ -13,8 +13,7 @@ impl Cell {
     /// # Errors
     /// It does not start again.
     pub async fn restart(&self) -> Result<(), Down> {
-        let pid = self.with(|state| state.pid);
-        match pid {
+        match self.pid() {
             Some(pid) => {
                 let mut phase = self.phase.subscribe();
                 self.with(|state| state.asked = true);

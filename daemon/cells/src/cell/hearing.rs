@@ -2,9 +2,10 @@
 
 use std::io::Write as _;
 use std::path::Path;
-use std::sync::PoisonError;
+use std::sync::{Arc, PoisonError};
 
 use genom_protocol::{Change, Crash, CrashReport};
+use genom_supervisor::bus::Teller;
 
 use super::Cell;
 use super::supervised::VIOLATED;
@@ -27,7 +28,8 @@ impl Cell {
         let changes = async {
             let Ok(mut events) = Events::open(&self.client, "/events", after).await else { return };
             let mut leaves = false;
-            while let Some((_, change)) = events.next().await {
+            let cell: Arc<str> = self.name.as_str().into();
+            while let Some((id, change)) = events.next().await {
                 if change["event"] == "stopping" {
                     leaves = true;
                     continue;
@@ -48,7 +50,10 @@ impl Cell {
                 if change["event"] == VIOLATED {
                     self.supervised(&change).await;
                 }
-                self.setup.tell(Told::Change(change));
+                let of = id.zip(self.pid());
+                let teller =
+                    of.map(|(id, process)| Teller { cell: Arc::clone(&cell), process, id });
+                self.setup.tell(Told::Change(change, teller));
             }
         };
         let logs = async {

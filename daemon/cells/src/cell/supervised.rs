@@ -24,7 +24,7 @@ impl Cell {
         let Some((why, change)) = self.place.taken_broken_rule() else { return end };
         if change["event"] == VIOLATED {
             self.supervised(&change).await;
-            self.setup.tell(Told::Change(change));
+            self.setup.tell(Told::Change(change, None));
         }
         End::Supervised(why)
     }

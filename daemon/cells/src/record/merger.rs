@@ -9,9 +9,6 @@ use super::order::{Held, Order};
 /// Key and rank of the daemon; cells follow.
 const OWN: usize = 0;
 
-/// Changes of cells are told on by the daemon, which records them with its own.
-const CHANGES: &str = "/genom/changes";
-
 /// Channels of a recording: their numbers have 16 bits.
 const MOST: usize = 1 << 16;
 
@@ -116,9 +113,6 @@ impl Merger {
     }
 
     fn channel(&mut self, source: usize, channel: Channel, out: &mut Vec<u8>) {
-        if source != OWN && channel.topic == CHANGES {
-            return;
-        }
         let there = channel.channel;
         let here = match self.by_topic.get(&channel.topic) {
             Some(&known) => known,
@@ -178,9 +172,9 @@ mod tests {
         let (mut merger, mut out) = (Merger::default(), Vec::new());
         for (source, frame) in [
             (0, channel(0, "/genom/calls")),
-            (0, channel(1, CHANGES)),
+            (0, channel(1, "/genom/changes")),
             (1, channel(0, "/genom/calls")),
-            (1, channel(1, CHANGES)),
+            (1, channel(1, "/genom/changes")),
             (1, channel(4, "/far/pose")),
             (1, sample(0, 0, &[1])),
             (0, sample(0, 0, &[2])),
@@ -200,6 +194,7 @@ mod tests {
                 "2 /far/pose",
                 "0:0 [1]",
                 "0:1 [2]",
+                "1:0 [3]",
                 "2:0 [4]",
                 "0 lost 2",
                 "0 lost 5"

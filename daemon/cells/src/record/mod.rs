@@ -3,19 +3,21 @@
 mod merger;
 mod order;
 mod source;
+mod stream;
 
 use std::sync::Arc;
 use std::time::Duration;
 
 use genom_protocol::frames::{EVENTS, End, Frame};
-use genom_protocol::{Address, RecordingRequest, Subject, routes};
-use http_body_util::BodyExt as _;
-use hyper::body::{Bytes, Incoming};
+use genom_protocol::{Address, RecordingRequest, Subject};
+use genom_supervisor::recording::Apart;
+use hyper::body::Bytes;
 use tokio::sync::{mpsc, watch};
 use tokio::time::timeout;
 
 use self::merger::{Merger, Origin};
 use self::source::Source;
+use self::stream::Stream;
 use crate::cell::Cell;
 use crate::cells::{Cells, OpenError};
 use crate::client::AskError;
@@ -30,6 +32,7 @@ const LAST: Duration = Duration::from_secs(5);
 pub struct Recorded {
     cells: Vec<Begun>,
     ordered: bool,
+    apart: Arc<Apart>,
 }
 
 /// A recording of a cell.
@@ -37,7 +40,7 @@ struct Begun {
     cell: Arc<Cell>,
     /// What it was asked for, and its next process will be.
     wanted: RecordingRequest,
-    body: Incoming,
+    stream: Stream,
 }
 
 /// What comes of a cell.
@@ -57,7 +60,7 @@ impl Cells {
     /// # Errors
     /// A cell is down, or knows no such port.
     pub async fn record(&self, wanted: &RecordingRequest) -> Result<Recorded, OpenError> {
-        let mut cells = Vec::new();
+        let (mut cells, apart) = (Vec::new(), Arc::new(Apart::default()));
         for cell in self.all() {
             let of_cell = |name: &&String| {
                 let component = match name.parse::<Subject>() {
@@ -74,10 +77,10 @@ impl Cells {
             }
             cell.answers().await?;
             let wanted = RecordingRequest { ports, ..*wanted };
-            let body = cell.stream(&routes::record(), &wanted).await?;
-            cells.push(Begun { cell, wanted, body });
+            let stream = Stream::open(&cell, &wanted, &apart).await?;
+            cells.push(Begun { cell, wanted, stream });
         }
-        Ok(Recorded { cells, ordered: wanted.ordered })
+        Ok(Recorded { cells, ordered: wanted.ordered, apart })
     }
 }
 
@@ -86,6 +89,12 @@ impl Recorded {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.cells.is_empty()
+    }
+
+    /// The processes whose changes are in these recordings.
+    #[must_use]
+    pub fn apart(&self) -> Arc<Apart> {
+        Arc::clone(&self.apart)
     }
 
     /// Sends the frames of all to `out`, `own` among them. When `own` is over, cells are asked to
@@ -98,7 +107,8 @@ impl Recorded {
         let processes = if self.ordered { 1 + self.cells.len() } else { 0 };
         for (rank, begun) in self.cells.into_iter().enumerate() {
             theirs.add(&begun.cell);
-            tokio::spawn(pass(rank, begun, sender.clone(), is_over.clone()));
+            let apart = Arc::clone(&self.apart);
+            tokio::spawn(pass(rank, begun, apart, sender.clone(), is_over.clone()));
         }
         drop(sender);
         let (mut merger, mut mine) =
@@ -184,13 +194,13 @@ impl Theirs {
 async fn pass(
     rank: usize,
     begun: Begun,
+    apart: Arc<Apart>,
     to: mpsc::Sender<(usize, Piece)>,
     mut is_over: watch::Receiver<bool>,
 ) {
-    let Begun { cell, wanted, mut body } = begun;
+    let Begun { cell, wanted, mut stream } = begun;
     loop {
-        while let Some(Ok(frame)) = body.frame().await {
-            let Ok(bytes) = frame.into_data() else { continue };
+        while let Some(bytes) = stream.next().await {
             if to.send((rank, Piece::Bytes(bytes))).await.is_err() {
                 return;
             }
@@ -201,10 +211,10 @@ async fn pass(
         let next = tokio::select! {
             biased;
             _ = is_over.wait_for(|over| *over) => return,
-            next = next(&cell, &wanted) => next,
+            next = next(&cell, &wanted, &apart) => next,
         };
         let Some(next) = next else { return };
-        body = next;
+        stream = next;
         if to.send((rank, Piece::Again)).await.is_err() {
             return;
         }
@@ -213,10 +223,10 @@ async fn pass(
 }
 
 /// The stream of a cell's next process; `None` where there will be none.
-async fn next(cell: &Cell, wanted: &RecordingRequest) -> Option<Incoming> {
+async fn next(cell: &Cell, wanted: &RecordingRequest, apart: &Apart) -> Option<Stream> {
     while cell.runs_again().await {
-        match cell.stream(&routes::record(), wanted).await {
-            Ok(body) => return Some(body),
+        match Stream::open(cell, wanted, apart).await {
+            Ok(stream) => return Some(stream),
             // That process has ended, too.
             Err(AskError::Gone(_)) => {}
             Err(error) => {

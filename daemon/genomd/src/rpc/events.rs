@@ -126,7 +126,7 @@ mod tests {
 
     fn told(change: &Change) -> Heard {
         let data = Arc::new(serde_json::to_value(change).unwrap());
-        Heard::Told(Numbered { id: 1, moment: 0, data })
+        Heard::Told(Numbered { id: 1, moment: 0, data, teller: None })
     }
 
     #[test]

@@ -59,7 +59,7 @@ async fn begun(
     let supervisor = Arc::clone(&daemon.supervisor);
     let begun = recordings::begin(supervisor, &daemon.cells, request, ()).await;
     let (frames, failed) = match begun {
-        Ok(frames) => (frames, None),
+        Ok((frames, _)) => (frames, None),
         // Without frames, the file goes.
         Err(error) => (mpsc::channel(1).1, Some(error)),
     };

@@ -11,7 +11,7 @@ use axum::{Extension, Json};
 use genom_cells::Cells;
 use genom_doors::{Body, Holder, RpcError, Streams};
 use genom_protocol::address::NoAddress;
-use genom_protocol::frames::{Channels, EVENTS, Start};
+use genom_protocol::frames::{Channels, EVENTS, LAST_CHANGE, Start};
 use genom_protocol::{Code, RecordingEnds, RecordingRequest, Subject};
 use genom_supervisor::{Supervisor, recording};
 use tokio::sync::mpsc;
@@ -42,13 +42,21 @@ pub(crate) async fn channels(
 
 /// Record ports and calls of services. The reply is a stream of frames (`length: u32, kind: u8,
 /// content`, little endian).
+///
+/// The header `Last-Event-ID` of the reply is the number of the last change (`GET /events`) before
+/// the recording.
 #[utoipa::path(
     post,
     path = "/recordings",
     tag = "recordings",
     request_body = RecordingRequest,
     responses(
-        (status = 200, content_type = "application/octet-stream", body = Vec<u8>),
+        (
+            status = 200,
+            content_type = "application/octet-stream",
+            body = Vec<u8>,
+            headers(("Last-Event-ID" = u64, description = "Number of the last change before it"))
+        ),
         (status = 404),
         (status = 422),
         (status = 503)
@@ -63,11 +71,12 @@ pub(crate) async fn start(
 ) -> Result<Response, RpcError> {
     check(&supervisor, &cells, &wanted)?;
     let slot = streams.slot(&holder)?;
-    let receiver = begin(supervisor, &cells, wanted, slot).await?;
+    let (receiver, after) = begin(supervisor, &cells, wanted, slot).await?;
     let batches =
         ReceiverStream::new(receiver).map(|batch| Ok::<_, Infallible>(Bytes::from(batch)));
-    let kind = [(header::CONTENT_TYPE, "application/octet-stream")];
-    Ok((kind, Stream::from_stream(batches)).into_response())
+    let kind = (header::CONTENT_TYPE.as_str(), "application/octet-stream".to_owned());
+    let heads = [kind, (LAST_CHANGE, after.to_string())];
+    Ok((heads, Stream::from_stream(batches)).into_response())
 }
 
 /// Refuses what is not there.
@@ -98,22 +107,23 @@ pub(super) fn check(
 }
 
 /// Begins a recording of all processes; it ends when nobody takes its frames any more, and `held` is
-/// dropped then.
+/// dropped then. Returns the number of the last change before it, too.
 pub(super) async fn begin(
     supervisor: Arc<Supervisor>,
     cells: &Cells,
     wanted: RecordingRequest,
     held: impl Send + 'static,
-) -> Result<mpsc::Receiver<Vec<u8>>, RpcError> {
+) -> Result<(mpsc::Receiver<Vec<u8>>, u64), RpcError> {
     let in_cells = cells.record(&wanted).await.map_err(rpc::cells::refused)?;
+    let apart = in_cells.apart();
     let (sender, mut receiver) = mpsc::channel(WAITING);
     if !in_cells.is_empty() {
         let (merged, all) = mpsc::channel(WAITING);
         tokio::spawn(in_cells.join_frames(std::mem::replace(&mut receiver, all), merged));
     }
+    let (changes, after) = supervisor.bus.live_after();
     tokio::task::spawn_blocking(move || {
-        let changes = supervisor.bus.live();
-        let session = supervisor.record(wanted);
+        let session = supervisor.record(wanted, apart);
         let start = Start {
             recording: session.number,
             genomd: env!("CARGO_PKG_VERSION").to_owned(),
@@ -124,7 +134,7 @@ pub(super) async fn begin(
         supervisor.recording_ended(&session);
         drop(held);
     });
-    Ok(receiver)
+    Ok((receiver, after))
 }
 
 /// End a recording, after all samples taken until now are sent.

@@ -4,6 +4,7 @@
 //! middleware. Losses are counted. Dates of a recording continue from its start: if the machine's
 //! clock is set meanwhile they do not jump, but a note is recorded.
 
+mod apart;
 mod blackbox;
 pub(crate) mod heads;
 mod notes;
@@ -13,6 +14,7 @@ use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use genom_bus::Numbered;
 use genom_description::model::PortDirection;
 use genom_middleware::Address;
 use genom_ports::dates::{Calendar, Dates};
@@ -23,6 +25,7 @@ use genom_types::DataType;
 use serde_json::{Value, json};
 
 use crate::outcome::Outcome;
+pub use apart::Apart;
 pub use blackbox::BlackBox;
 use notes::{Notes, Subject};
 pub use pump::run;
@@ -62,6 +65,8 @@ pub struct Session {
     /// Channels that the recording's thread has not seen yet.
     new: Mutex<Vec<(Channel, Reel)>>,
     notes: Notes,
+    /// Who has what it tells in a recording of its own.
+    apart: Arc<Apart>,
     /// Converts moments to dates, as of the beginning of the recording.
     calendar: Calendar,
     dates: Dates,
@@ -79,6 +84,15 @@ impl Session {
         self.wanted.is_empty() || self.wanted.iter().any(within)
     }
 
+    /// Whether a change belongs into this part of the recording, and its subject.
+    fn takes(&self, change: &Numbered) -> Option<Subject> {
+        if change.teller.as_ref().is_some_and(|teller| self.apart.has(teller)) {
+            return None;
+        }
+        let (on, component) = notes::subject(change);
+        component.is_none_or(|component| self.concerns(component)).then_some(on)
+    }
+
     /// Whether what happens in this component is to be recorded.
     fn concerns(&self, component: &str) -> bool {
         let of = |name: &String| matches!(name.split('/').next(), Some(of) if of == component || of == EVENTS);
@@ -94,11 +108,11 @@ impl Recordings {
 
     /// Starts a recording. It covers ports opened from now on, and open ones for which `opened` is
     /// called again.
-    pub fn start(&self, wanted: RecordingRequest) -> Arc<Session> {
-        self.begin(wanted, false)
+    pub fn start(&self, wanted: RecordingRequest, apart: Arc<Apart>) -> Arc<Session> {
+        self.begin(wanted, apart, false)
     }
 
-    fn begin(&self, wanted: RecordingRequest, quiet: bool) -> Arc<Session> {
+    fn begin(&self, wanted: RecordingRequest, apart: Arc<Apart>, quiet: bool) -> Arc<Session> {
         let session = Arc::new(Session {
             number: self.last.fetch_add(1, Ordering::Relaxed) + 1,
             wanted: wanted.ports,
@@ -107,6 +121,7 @@ impl Recordings {
             ordered: wanted.ordered && self.dates.is_stepped(),
             new: Mutex::default(),
             notes: Notes::default(),
+            apart,
             calendar: self.dates.calendar(),
             dates: self.dates.clone(),
             end: AtomicBool::new(false),
@@ -283,7 +298,8 @@ impl Recordings {
     /// Starts to watch these ports, those that are opened or connected from now on. What is open
     /// gets a tape of [`tape_of`](Self::tape_of).
     pub(crate) fn watch(&self, ports: Vec<String>) -> Watch {
-        Watch(self.begin(RecordingRequest { ports, ..RecordingRequest::default() }, true))
+        let wanted = RecordingRequest { ports, ..RecordingRequest::default() };
+        Watch(self.begin(wanted, Arc::default(), true))
     }
 
     /// Ends a watch.
@@ -370,7 +386,7 @@ mod tests {
         let native = table.add(Kind::Native { name: ScopedName::new(["demo", "handle"]) });
         let ty = DataType::new(&Arc::new(table), native).unwrap();
         let recordings = Recordings::default();
-        let session = recordings.start(RecordingRequest::default());
+        let session = recordings.start(RecordingRequest::default(), Arc::default());
         let at = Address::new("demo", "handle");
         for _ in 0..3 {
             recordings.opened(&at, PortDirection::Out, None, &ty, &Tapes::default());

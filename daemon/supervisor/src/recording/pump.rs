@@ -13,7 +13,7 @@ use tokio::sync::broadcast::error::TryRecvError;
 use tokio::sync::mpsc::Sender;
 
 use super::Session;
-use super::notes::{SUBJECTS, Subject, subject};
+use super::notes::{SUBJECTS, Subject};
 use crate::waiting::wait;
 use genom_bus::Numbered;
 use genom_bus::flag::Flag;
@@ -174,8 +174,7 @@ impl Pump<'_> {
         loop {
             match self.changes.try_recv() {
                 Ok(change) => {
-                    let (on, component) = subject(&change);
-                    if component.is_none_or(|component| self.session.concerns(component)) {
+                    if let Some(on) = self.session.takes(&change) {
                         self.session.notes.add(on, change.moment, &change.data);
                     }
                 }

@@ -1,9 +1,11 @@
 //! What a daemon says of itself and of its cells together: recordings and metrics.
 
 use genom_tests::{Daemon, Home, until};
+use serde_json::Value;
 
 use super::{load, signal};
 use crate::control_plane::metrics::metrics;
+use crate::control_plane::recording::{Recorder, read};
 
 #[test]
 fn a_recording_has_what_components_of_cells_write_and_are_asked() {
@@ -55,6 +57,34 @@ fn a_recording_of_one_component_in_a_cell_has_nothing_of_others() {
     assert!(!topics.contains("/demo/position"), "{topics:?}");
     let refused = daemon.ctl(&["record", "far/nothing", "--force", "-o", genom_tests::path(&file)]);
     refused.expect_code(1).expect_err("far has no port `nothing`");
+}
+
+#[test]
+fn what_a_component_in_a_cell_does_is_recorded_once_with_the_date_of_its_clock() {
+    let daemon = Daemon::start(&["--clock", "virtual"]);
+    load(&daemon, "demo", &["--name", "far", "--cell", "arm"]);
+    let recorder = Recorder::start(&daemon, "once.mcap", &[]);
+    daemon.ctl(&["start", "far", "goto", "goal=0.005"]).expect_code(0);
+    // The cell is stepped first: when it tells what happens at 5 ms, the daemon is at 4 ms still.
+    for _ in 0..30 {
+        daemon.ctl(&["step", "1ms"]).expect_code(0);
+    }
+    daemon.ctl(&["fire", "far", "emergency"]).expect_code(0);
+    let topics = read(&recorder.end().1);
+    let told = |topic: &str, keys: [&str; 2]| {
+        let all = topics[topic].as_array().unwrap().iter().enumerate();
+        let one = |(rank, one): (usize, &Value)| {
+            assert_eq!(one[1], rank, "numbers of {topic}");
+            let ms = one[0].as_u64().unwrap() as f64 / 1e6;
+            format!("{ms} {}", keys.map(|key| one[2][key].to_string()).join(" "))
+        };
+        all.map(one).collect::<Vec<_>>()
+    };
+    let activities = told("/genom/activities", ["event", "paused"]);
+    let wanted = ["0 \"activity_started\" null", "5 \"transition\" false", "5 \"transition\" true"];
+    assert_eq!(activities, wanted);
+    let changes = told("/genom/changes", ["event", "name"]);
+    assert_eq!(changes, ["30 \"event_fired\" \"emergency\""]);
 }
 
 #[test]
