@@ -95,7 +95,11 @@ impl Open {
     /// Publishes the value of an in port of this process, if it was written. Of another one it is
     /// noted only.
     pub(crate) fn publish(&mut self, supervisor: &Supervisor) -> Result<(), RpcError> {
-        let Some(count) = self.written()? else { return Ok(()) };
+        let count = match &mut self.at {
+            At::Here(port) => port.take(&self.memory, self.published)?,
+            At::There(..) | At::Nowhere => self.written()?,
+        };
+        let Some(count) = count else { return Ok(()) };
         // A value that is refused is refused once.
         self.published = count;
         match &mut self.at {

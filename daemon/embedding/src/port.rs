@@ -20,6 +20,10 @@ use crate::memory::Memory;
 /// The largest value that is shared, in bytes.
 pub(crate) const LARGEST: usize = 256 << 20;
 
+/// The largest value that is read to know whether it was written, in bytes: to read it takes less time
+/// than to ask the system once more.
+const AT_ONCE: usize = 4096;
+
 pub(crate) struct Port {
     address: Address,
     hosted: Weak<Hosted>,
@@ -96,7 +100,24 @@ impl Port {
         self.gone
     }
 
-    /// Publishes the value of an in port, as it is in its memory.
+    /// Takes the value of an in port out of its memory; returns its count, `None` if that is the value
+    /// of this count.
+    pub(crate) fn take(
+        &mut self,
+        memory: &Memory,
+        published: u64,
+    ) -> Result<Option<u64>, RpcError> {
+        let mut count = || {
+            if !self.is_in || self.room.len() > AT_ONCE && memory.written()? == published {
+                return Ok(published);
+            }
+            memory.read(&mut self.room)
+        };
+        let count = count().map_err(|error| self.no_memory(&error))?;
+        Ok((count != published).then_some(count))
+    }
+
+    /// Publishes the value of an in port that was taken.
     pub(crate) fn publish(
         &mut self,
         supervisor: &Supervisor,
@@ -105,7 +126,6 @@ impl Port {
         let Some(hosted) = self.hosted(supervisor, memory)? else {
             return Err(gone(&self.address));
         };
-        memory.read(&mut self.room).map_err(|error| self.no_memory(&error))?;
         let room = &self.room;
         let fill = |value: &mut Record| Ok::<_, FeedError>(value.set_bytes(room)?);
         let fed = supervisor.connections.feed(&hosted, &self.key, fill, |_| ());

@@ -1,7 +1,7 @@
 //! The tasks of an instance on a virtual clock, run by the thread that steps the clock.
 
 use std::sync::atomic::Ordering;
-use std::sync::{Mutex, PoisonError, TryLockError};
+use std::sync::{Mutex, TryLockError};
 use std::time::{Duration, Instant};
 
 use crate::clock::Driven;
@@ -32,7 +32,7 @@ impl Driven for Engine {
     fn take_in_accepted(&self) {
         let mut control = self.lock();
         while control.entries.iter().any(|entry| matches!(entry.stage, Stage::Accepting)) {
-            control = self.quiet.wait(control).unwrap_or_else(PoisonError::into_inner);
+            control = self.quiet.wait(control);
         }
     }
 }

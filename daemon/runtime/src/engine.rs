@@ -13,7 +13,7 @@ use crate::control::window::Window;
 use crate::control::{Control, Stage};
 use crate::executor::Executor;
 use crate::frozen::FrozenPort;
-use crate::lock::{Guard, lock};
+use crate::lock::{Guard, Signal, lock};
 use crate::shared::Shared;
 use crate::task::driven::DrivenTask;
 use crate::task::gate::Gate;
@@ -40,7 +40,7 @@ pub(crate) struct Engine {
     /// Notified when a request is ready for a worker, or when the workers have to end.
     pub(crate) work: Condvar,
     /// Notified when a request, an activity or a thread ended.
-    pub(crate) quiet: Condvar,
+    pub(crate) quiet: Signal,
     /// Frames for reuse, by service.
     spare: Mutex<Indexed<ServiceIx, Vec<Box<dyn Frame>>>>,
     /// Tasks of an instance on a virtual clock.
@@ -118,7 +118,7 @@ impl Engine {
             date: Mutex::new(options.date),
             control: Mutex::new(control),
             work: Condvar::new(),
-            quiet: Condvar::new(),
+            quiet: Signal::default(),
             spare: Mutex::new(spare),
             driven: driven.map(Mutex::new),
             single,

@@ -1,7 +1,7 @@
 //! Shutdown (genom3.md 7.7).
 
 use std::sync::atomic::Ordering;
-use std::sync::{Mutex, PoisonError, TryLockError};
+use std::sync::{Mutex, TryLockError};
 use std::time::{Duration, Instant};
 
 use genom_description::model::{Ix as _, TaskIx};
@@ -260,8 +260,7 @@ impl Engine {
                 }
             }
             let slice = if alone { left.min(LOOK) } else { left };
-            let waited = self.quiet.wait_timeout(control, slice);
-            control = waited.unwrap_or_else(PoisonError::into_inner).0;
+            control = self.quiet.wait_timeout(control, slice);
         }
         true
     }

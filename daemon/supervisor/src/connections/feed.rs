@@ -90,8 +90,7 @@ impl Connections {
                 let (inport, outport) = (inport.to_string(), outport.to_string());
                 return Err(FeedError::Connected { inport, outport });
             }
-            let name = inport.to_string();
-            let refused = |source| FeedError::Publish { inport: name.clone(), source };
+            let refused = |source| FeedError::Publish { inport: inport.to_string(), source };
             let mut value = Record::new(ty);
             if let Some(feed) = feeds.get_mut(key) {
                 // Cannot fail: both records have the same type.
@@ -114,7 +113,8 @@ impl Connections {
             // Published before the port is connected, so that the first sample read is this value.
             publisher.publish(&value).map_err(refused)?;
             if connection.is_none() {
-                let source = Source { outport: inport, policy: Policy::Latest, fixed: false };
+                let source =
+                    Source { outport: inport.clone(), policy: Policy::Latest, fixed: false };
                 self.attach(hosted, key, &middleware, source)?;
             }
             let told = tell(&value);
