@@ -51,12 +51,7 @@ pub(crate) async fn channels(
     tag = "recordings",
     request_body = RecordingRequest,
     responses(
-        (
-            status = 200,
-            content_type = "application/octet-stream",
-            body = Vec<u8>,
-            headers(("Last-Event-ID" = u64, description = "Number of the last change before it"))
-        ),
+        (status = 200, content_type = "application/octet-stream", body = Vec<u8>),
         (status = 404),
         (status = 422),
         (status = 503)
