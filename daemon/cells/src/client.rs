@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use genom_protocol::routes::{self, Route};
+use genom_protocol::sse::LAST_EVENT_ID;
 use genom_protocol::{Reason, Refusal};
 use http_body_util::{BodyExt as _, Full};
 use hyper::body::{Body, Bytes, Incoming};
@@ -87,7 +88,7 @@ impl Client {
     ) -> Result<Response<Incoming>, AskError> {
         let mut request = self.request(routes::Method::Get, path);
         if let Some(after) = after {
-            request = request.header("last-event-id", after);
+            request = request.header(LAST_EVENT_ID, after);
         }
         let request = request.body(Full::new(Bytes::new()));
         self.send(request.map_err(|error| AskError::Misread(error.to_string()))?).await

@@ -7,6 +7,7 @@ use std::time::Duration;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::sse::{Event, KeepAlive, KeepAliveStream, Sse};
 use genom_protocol::Code;
+use genom_protocol::sse::LAST_EVENT_ID;
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 use tokio_util::sync::CancellationToken;
@@ -27,7 +28,7 @@ const SIGN_OF_LIFE: Duration = Duration::from_secs(5);
 
 /// The number of the last event that a reconnecting reader received (`Last-Event-ID`).
 pub fn last_heard(headers: &HeaderMap) -> Option<u64> {
-    headers.get("last-event-id")?.to_str().ok()?.parse().ok()
+    headers.get(LAST_EVENT_ID)?.to_str().ok()?.parse().ok()
 }
 
 /// The writing end of a stream.

@@ -95,17 +95,14 @@ impl Open {
     /// Publishes the value of an in port of this process, if it was written. Of another one it is
     /// noted only.
     pub(crate) fn publish(&mut self, supervisor: &Supervisor) -> Result<(), RpcError> {
-        let count = match &mut self.at {
-            At::Here(port) => port.take(&self.memory, self.published)?,
-            At::There(..) | At::Nowhere => self.written()?,
-        };
-        let Some(count) = count else { return Ok(()) };
-        // A value that is refused is refused once.
+        if let At::Here(port) = &mut self.at {
+            return port.publish(supervisor, &self.memory, &mut self.published);
+        }
+        let Some(count) = self.written()? else { return Ok(()) };
         self.published = count;
-        match &mut self.at {
-            At::Here(port) => port.publish(supervisor, &self.memory),
-            At::There(..) => Ok(()),
+        match self.at {
             At::Nowhere => Err(gone(&self.address)),
+            At::Here(_) | At::There(..) => Ok(()),
         }
     }
 

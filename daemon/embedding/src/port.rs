@@ -20,10 +20,6 @@ use crate::memory::Memory;
 /// The largest value that is shared, in bytes.
 pub(crate) const LARGEST: usize = 256 << 20;
 
-/// The largest value that is read to know whether it was written, in bytes: to read it takes less time
-/// than to ask the system once more.
-const AT_ONCE: usize = 4096;
-
 pub(crate) struct Port {
     address: Address,
     hosted: Weak<Hosted>,
@@ -100,29 +96,21 @@ impl Port {
         self.gone
     }
 
-    /// Takes the value of an in port out of its memory; returns its count, `None` if that is the value
-    /// of this count.
-    pub(crate) fn take(
-        &mut self,
-        memory: &Memory,
-        published: u64,
-    ) -> Result<Option<u64>, RpcError> {
-        let mut count = || {
-            if !self.is_in || self.room.len() > AT_ONCE && memory.written()? == published {
-                return Ok(published);
-            }
-            memory.read(&mut self.room)
-        };
-        let count = count().map_err(|error| self.no_memory(&error))?;
-        Ok((count != published).then_some(count))
-    }
-
-    /// Publishes the value of an in port that was taken.
+    /// Publishes the value of an in port, as it is in its memory, unless that is the one of this count,
+    /// which becomes its own.
     pub(crate) fn publish(
         &mut self,
         supervisor: &Supervisor,
         memory: &Memory,
+        published: &mut u64,
     ) -> Result<(), RpcError> {
+        if !self.is_in {
+            return Ok(());
+        }
+        let new = memory.read_new(*published, &mut self.room);
+        let Some(count) = new.map_err(|error| self.no_memory(&error))? else { return Ok(()) };
+        // A value that is refused is refused once.
+        *published = count;
         let Some(hosted) = self.hosted(supervisor, memory)? else {
             return Err(gone(&self.address));
         };

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use genom_protocol::Refusal;
+use genom_protocol::sse::LAST_EVENT_ID;
 use http_body_util::Full;
 use hyper::body::Bytes;
 use hyper::client::conn::http1;
@@ -75,7 +76,7 @@ pub(crate) async fn ask(
         request = request.header(header::AUTHORIZATION, authorization);
     }
     if let Some(after) = after {
-        request = request.header("last-event-id", after);
+        request = request.header(LAST_EVENT_ID, after);
     }
     let request =
         request.body(Full::new(bytes)).map_err(|error| target.misread(error.to_string()))?;

@@ -25,9 +25,6 @@ const UNTIL: u8 = 5;
 /// begin with it.
 pub const EVENTS: &str = "genom";
 
-/// Header of the reply that a recording is: the number of the last change (`GET /events`) before it.
-pub const LAST_CHANGE: &str = "last-event-id";
-
 /// What to record.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]

@@ -2,6 +2,10 @@
 
 use std::collections::VecDeque;
 
+/// Header with the number of an event: the last one that a reader has heard, or the last one before what
+/// a reply holds.
+pub const LAST_EVENT_ID: &str = "last-event-id";
+
 /// One event.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Event {

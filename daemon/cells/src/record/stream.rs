@@ -1,6 +1,6 @@
 //! The stream of a recording in a cell's present process.
 
-use genom_protocol::frames::LAST_CHANGE;
+use genom_protocol::sse::LAST_EVENT_ID;
 use genom_protocol::{RecordingRequest, routes};
 use genom_supervisor::recording::Apart;
 use http_body_util::BodyExt as _;
@@ -22,7 +22,7 @@ impl Stream {
     ) -> Result<Self, AskError> {
         let process = cell.pid();
         let reply = cell.stream(&routes::record(), wanted).await?;
-        let after = reply.headers().get(LAST_CHANGE).and_then(|value| value.to_str().ok());
+        let after = reply.headers().get(LAST_EVENT_ID).and_then(|value| value.to_str().ok());
         // A process of an older genomd does not say it: what it tells is recorded twice then.
         if let (Some(process), Some(after)) = (process, after.and_then(|text| text.parse().ok())) {
             apart.begins(cell.name(), process, after);

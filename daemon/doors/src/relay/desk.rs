@@ -10,6 +10,7 @@ use axum::http::{Request, StatusCode, header};
 use axum::response::{IntoResponse as _, Response};
 use genom_proof::message::{self, Answer, FromDaemon, Question, ToDaemon};
 use genom_protocol::Code;
+use genom_protocol::sse::LAST_EVENT_ID;
 use hyper::body::Body as _;
 use hyper::service::Service as _;
 use hyper_util::service::TowerToHyperService;
@@ -178,7 +179,7 @@ async fn whole(asked: &Admitted, response: Response) -> (Answer, Vec<u8>) {
 fn request(passed: message::Request, body: &[u8]) -> Result<Request<Body>, axum::http::Error> {
     let mut request = Request::builder().method(passed.method.as_str()).uri(passed.path);
     if let Some(number) = passed.last_event_id {
-        request = request.header("last-event-id", number);
+        request = request.header(LAST_EVENT_ID, number);
     }
     request.body(Body::from(body.to_vec()))
 }

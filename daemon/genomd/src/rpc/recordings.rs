@@ -11,7 +11,8 @@ use axum::{Extension, Json};
 use genom_cells::Cells;
 use genom_doors::{Body, Holder, RpcError, Streams};
 use genom_protocol::address::NoAddress;
-use genom_protocol::frames::{Channels, EVENTS, LAST_CHANGE, Start};
+use genom_protocol::frames::{Channels, EVENTS, Start};
+use genom_protocol::sse::LAST_EVENT_ID;
 use genom_protocol::{Code, RecordingEnds, RecordingRequest, Subject};
 use genom_supervisor::{Supervisor, recording};
 use tokio::sync::mpsc;
@@ -70,7 +71,7 @@ pub(crate) async fn start(
     let batches =
         ReceiverStream::new(receiver).map(|batch| Ok::<_, Infallible>(Bytes::from(batch)));
     let kind = (header::CONTENT_TYPE.as_str(), "application/octet-stream".to_owned());
-    let heads = [kind, (LAST_CHANGE, after.to_string())];
+    let heads = [kind, (LAST_EVENT_ID, after.to_string())];
     Ok((heads, Stream::from_stream(batches)).into_response())
 }
 
