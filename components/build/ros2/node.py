@@ -112,6 +112,13 @@ def sample(topic):
     return plain(readers[topic].popleft())
 
 
+def digest(topic):
+    """How many bytes the next sample has, an array of them, and the sum of each times its place."""
+    until(f"a sample of {topic}", lambda: readers[topic])
+    data = numpy.frombuffer(readers[topic].popleft().data, numpy.uint8).astype(numpy.uint64)
+    return [len(data), int(data @ numpy.arange(len(data), dtype=numpy.uint64))]
+
+
 def write(topic, kind, latched=False):
     """Replies when there is a subscription. With `latched`, at once: whoever comes gets the last."""
     matched = Matched()
@@ -339,6 +346,7 @@ VERBS = {
     "end": end,
     "read": read,
     "sample": sample,
+    "digest": digest,
     "write": write,
     "put": put,
     "close": close,

@@ -87,6 +87,54 @@ fn a_ros_node_reads_a_port_as_a_message_of_its_own() {
     peer.ask(&json!(["no writer", "/demo/pose"]));
 }
 
+/// `::camera::image`, with the structure of `std_msgs/msg/UInt8MultiArray`.
+fn image() -> DataType {
+    let mut table = TypeTable::default();
+    let member = |name: &str, ty| Member { name: name.to_owned(), ty };
+    let (octet, number) = (table.add(Kind::Octet), table.add(Kind::UnsignedLong));
+    let text = table.add(Kind::String { bound: None });
+    let mut of = |name: &str, members| {
+        table.add(Kind::Struct { name: ScopedName::new(["camera", name]), members })
+    };
+    let side =
+        of("side", vec![member("label", text), member("size", number), member("stride", number)]);
+    let sides = table.add(Kind::Sequence { element: side, bound: None });
+    let data = table.add(Kind::Sequence { element: octet, bound: None });
+    let mut of = |name: &str, members| {
+        table.add(Kind::Struct { name: ScopedName::new(["camera", name]), members })
+    };
+    let layout = of("layout", vec![member("dim", sides), member("data_offset", number)]);
+    let id = of("image", vec![member("layout", layout), member("data", data)]);
+    DataType::new(&Arc::new(table), id).unwrap()
+}
+
+/// More than the buffer of its socket has room for, unless its user gives it another one: it loses
+/// parts, and is sent them again.
+#[test]
+fn images_of_6_mb_reach_a_ros_node_whole_and_in_order() {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let as_bytes = ("::camera::image".to_owned(), "std_msgs/msg/UInt8MultiArray".to_owned());
+    let options = Options { masquerade: [as_bytes].into(), ..domain.options() };
+    let ros2 = Ros2::open(&options).unwrap();
+    let at = Address::new("camera", "image");
+    let mut writer = ros2.publisher(&PortSpec::new(&at, &image())).unwrap();
+    let mut peer = peer(&domain);
+    peer.ask(&json!(["read", "/camera/image", "std_msgs/msg/UInt8MultiArray"]));
+    let mut value = Record::new(&image());
+    for n in 0_u8..4 {
+        let mut octets = (0..=250).collect::<Vec<u8>>().repeat(24_000);
+        octets.rotate_left(n.into());
+        // No dimension, no offset, and the octets after their number.
+        let length = u32::try_from(octets.len()).unwrap();
+        let cdr = [&[0; 8][..], &length.to_le_bytes(), &octets].concat();
+        value.decode_cdr(&cdr).unwrap();
+        writer.publish(&value).unwrap();
+        let sum: u64 = (0_u64..).zip(&octets).map(|(place, octet)| place * u64::from(*octet)).sum();
+        let came = peer.ask(&json!(["digest", "/camera/image"]));
+        assert_eq!(came, json!([octets.len(), sum]));
+    }
+}
+
 #[test]
 fn a_node_that_means_another_structure_by_the_name_of_a_type_is_told_of() {
     let domain = Domain::new(ServiceMapping::Enhanced);

@@ -133,24 +133,44 @@ impl<'a> Fields<'a> {
         Ok((i64::from(high.cast_signed()) << 32) | i64::from(low))
     }
 
-    /// Skips the bitmap of a set of numbers, of at most 256 bits (9.4.2.6, 9.4.2.8).
-    pub(crate) fn bitmap(&mut self) -> Result<(), Reason> {
-        self.bits().map(drop)
-    }
-
-    /// Reads such a bitmap, and returns how many numbers it has.
-    pub(crate) fn bits(&mut self) -> Result<u32, Reason> {
-        let bits = self.u32()?;
-        if bits > 256 {
+    /// Reads the bitmap of a set of numbers (9.4.2.6, 9.4.2.8).
+    pub(crate) fn bitmap(&mut self) -> Result<Bitmap, Reason> {
+        let length = self.u32()?;
+        if length > Bitmap::MOST {
             return Err(Reason::Malformed);
         }
-        let mut set = 0;
-        for word in 0..bits.div_ceil(32) {
-            // The first number is the highest bit; what is beyond the last does not count.
-            let used = u32::MAX << (32 - (bits - word * 32).min(32));
-            set += (self.u32()? & used).count_ones();
+        let mut words = [0; Bitmap::MOST as usize / 32];
+        for (word, begin) in words.iter_mut().zip((0..length).step_by(32)) {
+            // What is beyond the last number does not count.
+            *word = self.u32()? & (u32::MAX << (32 - (length - begin).min(32)));
         }
-        Ok(set)
+        Ok(Bitmap { length, words })
+    }
+}
+
+/// Which numbers are in a set, counted from its base.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Bitmap {
+    pub(crate) length: u32,
+    /// The first number is the highest bit of the first word.
+    words: [u32; Bitmap::MOST as usize / 32],
+}
+
+impl Bitmap {
+    /// Numbers that a set may cover.
+    pub(crate) const MOST: u32 = 256;
+
+    /// How many numbers are in the set.
+    pub(crate) fn count(&self) -> u32 {
+        self.words.iter().map(|word| word.count_ones()).sum()
+    }
+
+    /// The numbers, from 0.
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = u32> {
+        (0..self.length).filter(|number| {
+            let word = self.words.get(*number as usize / 32).copied().unwrap_or(0);
+            word & (1 << (31 - number % 32)) != 0
+        })
     }
 }
 

@@ -12,13 +12,12 @@
 //! participant can still end its flows, for example by announcing that it leaves. Only DDS Security
 //! prevents that, which RustDDS is not built with here, or a network without strangers.
 
-mod announced;
 mod answer;
 mod discovery;
 mod flows;
 mod limits;
-mod mend;
 mod message;
+mod outgoing;
 mod peers;
 mod pieces;
 mod repairs;
@@ -30,10 +29,9 @@ use std::net::IpAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
-pub(crate) use announced::Announced;
 use answer::Answer;
 pub use limits::Limits;
-pub(crate) use mend::mended;
+pub(crate) use outgoing::{Lack, Outgoing, Target, Wire, mended};
 pub use tally::{Reason, Tally};
 
 use discovery::{PAIRS, PARTICIPANTS, READERS, WRITERS};
@@ -58,6 +56,9 @@ pub(crate) struct Guard {
     leaving: Option<Prefix>,
     tally: Arc<Tally>,
 }
+
+/// Sends again what a reader at this address lacks, and returns whether it did.
+pub(crate) type Repair<'a> = &'a mut dyn FnMut(Option<IpAddr>, &Lack) -> bool;
 
 /// Sender of a submessage, and when it arrived.
 #[derive(Clone, Copy, Debug)]
@@ -89,8 +90,9 @@ impl Guard {
         datagram: &mut [u8],
         address: Option<IpAddr>,
         now: Duration,
+        repair: Repair<'_>,
     ) -> bool {
-        let passed = self.look(datagram, address, now);
+        let passed = self.look(datagram, address, now, repair);
         if let Err(reason) = passed {
             self.tally.add(reason, address);
         }
@@ -102,6 +104,7 @@ impl Guard {
         datagram: &mut [u8],
         address: Option<IpAddr>,
         now: Duration,
+        repair: Repair<'_>,
     ) -> Result<(), Reason> {
         // 9.4.4: protocol, version, vendor, participant.
         let (Some(b"RTPS"), Some(sender)) = (
@@ -119,7 +122,7 @@ impl Guard {
                 from.participant = source(datagram.get(head.body.clone()).unwrap_or_default())?;
                 continue;
             }
-            match self.submessage(datagram, &head, &from) {
+            match self.submessage(datagram, &head, &from, repair) {
                 Ok(Answer::Pass) => {}
                 Ok(Answer::Drop) => head.silence(datagram),
                 Ok(Answer::Whole { base, number }) => {
@@ -147,6 +150,7 @@ impl Guard {
         datagram: &mut [u8],
         head: &Head,
         from: &From,
+        repair: Repair<'_>,
     ) -> Result<Answer, Reason> {
         let body = datagram.get_mut(head.body.clone()).unwrap_or_default();
         let passed = match head.kind {
@@ -159,7 +163,7 @@ impl Guard {
                 self.ends(&mut fields, from).map(drop)
             }
             kind::ACKNACK => return self.acknack(body, head, from),
-            kind::NACK_FRAG => return self.nack_frag(body, head, from),
+            kind::NACK_FRAG => return self.nack_frag(body, head, from, repair),
             kind::INFO_REPLY => reply(body, head),
             _ => Ok(()),
         };
@@ -176,15 +180,26 @@ impl Guard {
         self.repairs.read_acknack((from.participant, reader, writer), &mut fields)
     }
 
-    fn nack_frag(&mut self, body: &[u8], head: &Head, from: &From) -> Result<Answer, Reason> {
+    fn nack_frag(
+        &mut self,
+        body: &[u8],
+        head: &Head,
+        from: &From,
+        repair: Repair<'_>,
+    ) -> Result<Answer, Reason> {
         let mut fields = Fields::new(body, head.little());
         let (reader, writer) = self.ends(&mut fields, from)?;
-        let number = fields.number()?;
-        if !(1..=limits::LAST_NUMBER).contains(&number) || !self.pieces.can_ask(fields.u32()?) {
+        let (number, base) = (fields.number()?, fields.u32()?);
+        if !(1..=limits::LAST_NUMBER).contains(&number) || !self.pieces.can_ask(base) {
             return Err(Reason::Range);
         }
+        let missing = fields.bitmap()?;
+        fields.u32()?;
+        if repair(from.address, &Lack { writer, number, base, missing }) {
+            return Ok(Answer::Drop);
+        }
         let pair = (from.participant, reader, writer);
-        self.repairs.read_nack_frag(pair, number, &mut fields, from.now)
+        Ok(self.repairs.nack_frag(pair, number, missing.count(), from.now))
     }
 
     /// Reads the reader and the writer, which come first in submessages between ends; checks that

@@ -64,7 +64,13 @@ impl Repairs {
     }
 
     /// A reader lacks at least `missing` fragments of a sample.
-    fn nack_frag(&mut self, pair: Pair, number: i64, missing: u32, now: Duration) -> Answer {
+    pub(crate) fn nack_frag(
+        &mut self,
+        pair: Pair,
+        number: i64,
+        missing: u32,
+        now: Duration,
+    ) -> Answer {
         let Some(state) = self.of(pair) else { return Answer::Pass };
         state.partial = Some(state.partial.map_or(number, |partial| partial.min(number)));
         // Without an acknowledgement it is not known what an ACKNACK may say that it has.
@@ -92,22 +98,9 @@ impl Repairs {
         fields: &mut Fields<'_>,
     ) -> Result<Answer, Reason> {
         let base = fields.number()?;
-        let asks = fields.bits()? > 0;
+        let asks = fields.bitmap()?.count() > 0;
         fields.u32()?;
         Ok(self.acknack(pair, base, asks))
-    }
-
-    /// Reads a NACK_FRAG (8.3.8.10), from its set on.
-    pub(crate) fn read_nack_frag(
-        &mut self,
-        pair: Pair,
-        number: i64,
-        fields: &mut Fields<'_>,
-        now: Duration,
-    ) -> Result<Answer, Reason> {
-        let missing = fields.bits()?;
-        fields.u32()?;
-        Ok(self.nack_frag(pair, number, missing, now))
     }
 
     /// Forgets the readers of a participant that is gone.
@@ -246,7 +239,7 @@ mod tests {
             assert_eq!(fields.bytes(), Ok([0, 0, 2, 3]));
             assert_eq!(fields.number(), Ok(base));
             let mut set = fields.clone();
-            assert_eq!(set.bits(), Ok(1));
+            assert_eq!(set.bitmap().unwrap().count(), 1);
             let bits = fields.u32().unwrap();
             assert_eq!(i64::from(bits), 40 - base + 1);
             for _ in 1..bits.div_ceil(32) {

@@ -12,7 +12,7 @@ use proptest::prelude::*;
 
 use super::limits::{AHEAD, HELD, WINDOW};
 use super::message::{Fields, HEADER, Head, kind};
-use super::{Guard, Limits, Reason, Tally};
+use super::{Guard, Lack, Limits, Reason, Tally};
 
 const PEER: Forger = Forger(*b"\x01\x10somebody..");
 const OTHER: Forger = Forger(*b"\x01\x10another...");
@@ -22,6 +22,9 @@ struct World {
     guard: Guard,
     tally: Arc<Tally>,
     now: Duration,
+    /// Whether what readers lack is sent again, and what they did.
+    repairs: bool,
+    lacks: Vec<(Option<IpAddr>, Lack)>,
 }
 
 impl World {
@@ -34,11 +37,13 @@ impl World {
 
     fn with(limits: Limits) -> Self {
         let tally = Arc::new(Tally::default());
-        Self { guard: Guard::new(limits, Arc::clone(&tally)), tally, now: Duration::from_secs(9) }
+        let guard = Guard::new(limits, Arc::clone(&tally));
+        let now = Duration::from_secs(9);
+        Self { guard, tally, now, repairs: false, lacks: Vec::new() }
     }
 
     fn hears(&mut self, datagram: &mut [u8]) -> bool {
-        self.guard.screen(datagram, Some(IpAddr::from([10, 0, 0, 1])), self.now)
+        self.hears_from(datagram, 1)
     }
 
     /// The peer announces itself again after a silence.
@@ -49,7 +54,12 @@ impl World {
     }
 
     fn hears_from(&mut self, datagram: &mut [u8], host: u8) -> bool {
-        self.guard.screen(datagram, Some(IpAddr::from([10, 0, 0, host])), self.now)
+        let address = IpAddr::from([10, 0, 0, host]);
+        let (repaired, lacks) = (self.repairs, &mut self.lacks);
+        self.guard.screen(datagram, Some(address), self.now, &mut |from, lack| {
+            lacks.push((from, *lack));
+            repaired
+        })
     }
 
     /// Kind and body of a submessage of the peer's after the guard.
@@ -476,4 +486,23 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn what_is_sent_again_is_not_asked_of_rustdds() {
+    let mut world = World::new();
+    let nack = || forger::nack_fragments(USER, 4, 300, 1);
+    assert!(world.passes(nack()), "few fragments are left to RustDDS");
+    world.repairs = true;
+    assert!(world.is_silenced(nack()));
+    let [.., (from, lack)] = world.lacks[..] else { panic!("nobody was asked") };
+    assert_eq!(from, Some(IpAddr::from([10, 0, 0, 1])));
+    assert_eq!((lack.writer, lack.number, lack.base), (USER, 4, 300));
+    assert_eq!(lack.missing.numbers().collect::<Vec<_>>(), [0]);
+    // Strangers, and numbers that cannot be, are not heard.
+    let before = world.lacks.len();
+    assert!(!world.hears(&mut OTHER.message(&[nack()])));
+    assert!(world.is_silenced(forger::nack_fragments(USER, 4, u32::MAX, 1)));
+    assert!(world.is_silenced(forger::nack_fragments(USER, -4, 300, 1)));
+    assert_eq!(world.lacks.len(), before);
 }

@@ -123,7 +123,10 @@ impl Gate {
             // SAFETY: the system has filled in the address.
             let from = unsafe { address(&*message) };
             // `None` if it is split over several buffers, which RustDDS never asks for.
-            if datagram.is_none_or(|datagram| self.guard.screen(datagram, from, since_boot())) {
+            let mut screen = |datagram: &mut [u8]| {
+                self.guard.screen(datagram, from, since_boot(), &mut super::send::repair)
+            };
+            if datagram.is_none_or(&mut screen) {
                 self.bytes += length;
                 return received;
             }

@@ -1,17 +1,19 @@
-//! A `sendto` for the whole program that mends what RustDDS sends wrongly ([`mended`]) or too early
-//! ([`Announced`]).
+//! A `sendto` for the whole program that mends what RustDDS sends wrongly ([`mended`]), too early, in
+//! too small parts or too fast ([`Outgoing`]).
 //!
 //! RustDDS sends its datagrams with this function. On all other threads, and for all that needs no
 //! mending, it calls the C library's.
 
 use std::cell::RefCell;
 use std::ffi::{c_int, c_void};
+use std::net::{IpAddr, Ipv4Addr, SocketAddrV4};
 use std::ptr;
 use std::sync::atomic::{AtomicPtr, Ordering};
+use std::time::Duration;
 
 use super::since::since_boot;
 use super::threads::is_rustdds;
-use crate::filter::{Announced, mended};
+use crate::filter::{Lack, Outgoing, Target, Wire, mended};
 
 type SendTo = unsafe extern "C" fn(
     c_int,
@@ -27,7 +29,8 @@ pub(super) fn link() {
     std::hint::black_box::<SendTo>(sendto);
 }
 
-/// Behaves as the system's, except that readers understand the replies of RustDDS.
+/// Behaves as the system's, except that readers understand the replies of RustDDS, and can take its
+/// large samples.
 ///
 /// # Safety
 /// The same as for the system's: `bytes` refers to `length` readable bytes, `to` to an address.
@@ -45,32 +48,99 @@ unsafe extern "C" fn sendto(
         let message = unsafe { std::slice::from_raw_parts(bytes.cast::<u8>(), length) };
         let mended = mended(message);
         let meant = mended.as_deref().unwrap_or(message);
-        let narrowed = with_announced(|announced| announced.narrowed(meant, since_boot));
-        let narrowed = narrowed.flatten();
-        let out = narrowed.as_deref().unwrap_or(meant);
-        // SAFETY: the address is the caller's, the bytes are there until the call returns.
-        let sent = unsafe { send(socket, out.as_ptr().cast(), out.len(), flags, to, size) };
-        if usize::try_from(sent).is_ok_and(|sent| sent == out.len()) {
-            with_announced(|announced| announced.sent(meant));
-            // The caller sees all of its bytes sent.
-            return libc::ssize_t::try_from(length).unwrap_or(sent);
+        // SAFETY: the address is the caller's.
+        let target = unsafe { target(socket, to, size) };
+        let part = |to: &Target| with_outgoing(|all| all.send_part(to, meant, &mut Sockets));
+        let part = target.as_ref().and_then(part).flatten();
+        match part {
+            Some(true) => {}
+            Some(false) => return -1,
+            None => {
+                let narrowed = with_outgoing(|all| all.announced.narrowed(meant, since_boot));
+                let narrowed = narrowed.flatten();
+                let out = narrowed.as_deref().unwrap_or(meant);
+                // SAFETY: the address is the caller's, the bytes are there until the call returns.
+                let sent = unsafe { send(socket, out.as_ptr().cast(), out.len(), flags, to, size) };
+                if sent < 0 {
+                    return sent;
+                }
+            }
         }
-        return sent;
+        with_outgoing(|all| all.announced.sent(meant));
+        // The caller sees all of its bytes sent.
+        return libc::ssize_t::try_from(length).unwrap_or(libc::ssize_t::MAX);
     }
     // SAFETY: the arguments are the caller's.
     unsafe { send(socket, bytes, length, flags, to, size) }
 }
 
 thread_local! {
-    /// What the participant of this thread has sent: each has a thread that sends for it.
-    static ANNOUNCED: RefCell<Announced> = RefCell::default();
+    /// What the participant of this thread sends: each has a thread that receives and sends for it.
+    static OUTGOING: RefCell<Outgoing> = RefCell::default();
 }
 
 /// `None` on a thread that is ending.
-fn with_announced<R>(work: impl FnOnce(&mut Announced) -> R) -> Option<R> {
+fn with_outgoing<R>(work: impl FnOnce(&mut Outgoing) -> R) -> Option<R> {
     let worked =
-        ANNOUNCED.try_with(|announced| announced.try_borrow_mut().ok().map(|mut of| work(&mut of)));
+        OUTGOING.try_with(|outgoing| outgoing.try_borrow_mut().ok().map(|mut of| work(&mut of)));
     worked.ok().flatten()
+}
+
+/// A reader lacks parts of a sample of the participant whose thread this is. Returns whether they
+/// were sent again.
+pub(super) fn repair(reader: Option<IpAddr>, lack: &Lack) -> bool {
+    with_outgoing(|all| all.repair(reader, lack, &mut Sockets)).unwrap_or(false)
+}
+
+/// `None` if it is not an address of IPv4.
+///
+/// # Safety
+/// `to` is null, or refers to an address of `size` bytes.
+unsafe fn target(
+    socket: c_int,
+    to: *const libc::sockaddr,
+    size: libc::socklen_t,
+) -> Option<Target> {
+    if to.is_null() || (size as usize) < size_of::<libc::sockaddr_in>() {
+        return None;
+    }
+    // SAFETY: each address begins with its family.
+    let family = unsafe { ptr::read_unaligned(to.cast::<libc::sa_family_t>()) };
+    if c_int::from(family) != libc::AF_INET {
+        return None;
+    }
+    // SAFETY: an address of this family, of which there are enough bytes.
+    let to = unsafe { ptr::read_unaligned(to.cast::<libc::sockaddr_in>()) };
+    let address = Ipv4Addr::from(u32::from_be(to.sin_addr.s_addr));
+    Some(Target { socket, address: SocketAddrV4::new(address, u16::from_be(to.sin_port)) })
+}
+
+/// The participant's sockets.
+struct Sockets;
+
+impl Wire for Sockets {
+    fn send(&mut self, to: &Target, bytes: &[u8]) -> bool {
+        // SAFETY: all members are integers, for which zero is a valid value.
+        let mut address: libc::sockaddr_in = unsafe { std::mem::zeroed() };
+        address.sin_family = libc::sa_family_t::try_from(libc::AF_INET).unwrap_or_default();
+        address.sin_port = to.address.port().to_be();
+        address.sin_addr.s_addr = u32::from(*to.address.ip()).to_be();
+        let size = libc::socklen_t::try_from(size_of_val(&address)).unwrap_or_default();
+        let (from, to_address) = (bytes.as_ptr().cast(), (&raw const address).cast());
+        let flags = libc::MSG_NOSIGNAL;
+        // SAFETY: the bytes and the address are there until the call returns.
+        let sent = unsafe { send(to.socket, from, bytes.len(), flags, to_address, size) };
+        sent >= 0
+    }
+
+    fn now(&self) -> Duration {
+        since_boot()
+    }
+
+    fn pause(&mut self, time: Duration) {
+        // No event tells that a reader has taken what was sent.
+        std::thread::park_timeout(time);
+    }
 }
 
 /// Calls the C library's `sendto`.

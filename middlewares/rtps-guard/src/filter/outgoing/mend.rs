@@ -6,7 +6,7 @@
 //! count it in the length of the submessage: no reader understands the reply. Where the byte is not
 //! there, nothing is changed.
 
-use super::message::{HEADER, kind};
+use super::super::message::{HEADER, kind};
 
 /// Bytes of a submessage header, and of DATA_FRAG before its inline QoS.
 const HEAD: usize = 4;

@@ -9,9 +9,9 @@
 use std::collections::HashMap;
 use std::time::Duration;
 
-use super::limits::FLOWS;
-use super::message::{Entity, Fields, HEADER, Head, is_builtin, kind, put_number};
-use super::tally::Reason;
+use super::super::limits::FLOWS;
+use super::super::message::{Entity, Fields, HEADER, Head, is_builtin, kind, put_number};
+use super::super::tally::Reason;
 
 /// How long a sample may remain unannounced: RustDDS sends it at once, unless nobody reads.
 const LONGEST: Duration = Duration::from_millis(100);
@@ -125,7 +125,7 @@ fn sample(body: &[u8], head: &Head) -> Result<(Entity, i64, bool), Reason> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::forger::{Forger, USER, data, fragment, heartbeat};
+    use super::super::super::tests::forger::{Forger, USER, data, fragment, heartbeat};
     use super::*;
 
     const US: Forger = Forger(*b"\x01\x12ourselves.");
