@@ -19,7 +19,7 @@ const MOST: usize = 65_400;
 /// From this size on, a message goes as it is.
 const LARGE: usize = MOST / 2;
 
-/// Samples that are being joined at a time; more go as RustDDS cuts them.
+/// Datagrams that are being joined at a time. The oldest goes when there are more.
 const OPEN: usize = 64;
 
 /// The beginning of a datagram, to which what follows is added.
@@ -36,61 +36,83 @@ struct Joint {
 #[derive(Debug, Default)]
 pub(crate) struct Joints(Vec<Joint>);
 
+/// Sends a datagram to an address: with the fragments from the first of `Cut` to before this one.
+/// Returns false if it could not be sent.
+pub(crate) type Send<'a> = &'a mut dyn FnMut(&Target, &[u8], &Cut, u32) -> bool;
+
 impl Joints {
-    /// Adds a message that ends with `cut`. `send` sends what is complete by that, of which it gets
-    /// the first fragment and the one after the last.
+    /// Adds a message that ends with `cut`, and sends what is complete by that.
     ///
     /// Returns false if something could not be sent: then RustDDS keeps the message, and sends it
     /// again.
-    pub(crate) fn add(
-        &mut self,
-        to: &Target,
-        cut: &Cut,
-        message: &[u8],
-        mut send: impl FnMut(&[u8], (u32, u32)) -> bool,
-    ) -> bool {
-        let ends = |joint: &Joint| {
+    pub(crate) fn add(&mut self, to: &Target, cut: &Cut, message: &[u8], send: Send<'_>) -> bool {
+        let of = |joint: &Joint| {
             (joint.to, joint.cut.writer, joint.cut.reader) == (*to, cut.writer, cut.reader)
         };
-        if let Some(at) = self.0.iter().position(ends)
+        let at = self.0.iter().position(of);
+        if let Some(at) = at
             && let Some(joint) = self.0.get_mut(at)
         {
-            let same = joint.cut.number == cut.number;
-            // It is sent to several readers, and another one's socket had no room for it.
-            if same && cut.first >= joint.cut.first && cut.end() <= joint.next {
+            if joint.has(cut) {
+                // It went to several readers, and the socket had no room for it to another one.
                 return true;
             }
-            let payload = message.get(cut.payload..).unwrap_or_default();
-            if same && cut.first == joint.next && joint.bytes.len() + payload.len() <= MOST {
-                let before = joint.bytes.len();
-                joint.bytes.extend_from_slice(payload);
-                if !cut.last {
-                    joint.next = cut.end();
-                    return true;
+            if joint.is_followed_by(cut, message) {
+                let sent = joint.append(cut, message, send);
+                if sent && cut.last {
+                    self.0.remove(at);
                 }
-                joint.cut.extend(&mut joint.bytes, cut.end());
-                if !send(&joint.bytes, (joint.cut.first, cut.end())) {
-                    joint.bytes.truncate(before);
-                    return false;
-                }
-                self.0.swap_remove(at);
-                return true;
+                return sent;
             }
-            // Of a sample that is not sent any more, nothing else will come.
-            if same {
-                joint.cut.extend(&mut joint.bytes, joint.next);
-                if !send(&joint.bytes, (joint.cut.first, joint.next)) {
-                    return false;
-                }
+            // What is there of another sample is dropped: RustDDS has given that up.
+            if joint.cut.number == cut.number && !joint.send(send) {
+                return false;
             }
-            self.0.swap_remove(at);
+            self.0.remove(at);
         }
-        if cut.last || message.len() >= LARGE || self.0.len() >= OPEN {
-            return send(message, (cut.first, cut.end()));
+        if cut.last || message.len() >= LARGE {
+            return send(to, message, cut, cut.end());
+        }
+        if self.0.len() >= OPEN {
+            if !self.0.first_mut().is_none_or(|oldest| oldest.send(send)) {
+                return false;
+            }
+            self.0.remove(0);
         }
         let mut bytes = Vec::with_capacity(MOST);
         bytes.extend_from_slice(message);
         self.0.push(Joint { to: *to, cut: *cut, next: cut.end(), bytes });
         true
+    }
+}
+
+impl Joint {
+    fn has(&self, cut: &Cut) -> bool {
+        let same = self.cut.number == cut.number;
+        same && cut.first >= self.cut.first && cut.end() <= self.next
+    }
+
+    fn is_followed_by(&self, cut: &Cut, message: &[u8]) -> bool {
+        let fits = self.bytes.len() + message.len().saturating_sub(cut.payload) <= MOST;
+        self.cut.number == cut.number && cut.first == self.next && fits
+    }
+
+    /// Adds the fragments of a message. With the last ones of the sample all goes; if it cannot, it
+    /// is as before.
+    fn append(&mut self, cut: &Cut, message: &[u8], send: Send<'_>) -> bool {
+        let before = (self.bytes.len(), self.next);
+        self.bytes.extend_from_slice(message.get(cut.payload..).unwrap_or_default());
+        self.next = cut.end();
+        if cut.last && !self.send(send) {
+            self.bytes.truncate(before.0);
+            self.next = before.1;
+            return false;
+        }
+        true
+    }
+
+    fn send(&mut self, send: Send<'_>) -> bool {
+        self.cut.extend(&mut self.bytes, self.next);
+        send(&self.to, &self.bytes, &self.cut, self.next)
     }
 }

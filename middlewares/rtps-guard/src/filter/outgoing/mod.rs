@@ -50,16 +50,16 @@ impl Outgoing {
         if !slow && !kept.is_empty() {
             kept.clear();
         }
-        let sent = joints.add(to, &cut, message, |datagram, fragments| {
+        let sent = joints.add(to, &cut, message, &mut |to, datagram, cut, end| {
             if slow && let Some(time) = pace.pause(datagram.len(), wire.now()) {
                 wire.pause(time);
             }
             let sent = wire.send(to, datagram);
             if sent && slow {
-                if fragments.0 == 1 {
+                if cut.first == 1 {
                     pace.begin();
                 }
-                kept.add((cut.writer, cut.number), to, fragments, datagram);
+                kept.add((cut.writer, cut.number), to, (cut.first, end), datagram);
             }
             sent
         });
@@ -280,6 +280,21 @@ mod tests {
         once.dedup();
         assert!(is_all(&once[..once.len() - 1]) || is_all(&once));
         assert!(all.len() <= 2 * once.len() + 1);
+    }
+
+    #[test]
+    fn what_is_begun_and_not_ended_is_bounded_and_goes_too() {
+        let (mut all, mut net) = (Outgoing::default(), Net::default());
+        let begins = &messages(1)[0];
+        let targets = (0..1000).map(|port| {
+            let mut to = HERE;
+            to.address.set_port(port);
+            to
+        });
+        for to in targets {
+            assert_eq!(all.send_part(&to, begins, &mut net), Some(true));
+        }
+        assert!(net.sent.len() > 900 && net.sent.iter().all(|sent| sent == begins));
     }
 
     #[test]
