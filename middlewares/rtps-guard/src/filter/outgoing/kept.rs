@@ -1,10 +1,10 @@
-//! What was sent of large samples, for readers on this machine that lose parts of them.
+//! What was sent of large samples, for readers that lose parts of them.
 //!
 //! RustDDS 0.15.1 repairs 8 fragments of 256 bytes each 10 ms, or sends all of a sample again after
 //! 200 ms (`repairs`). So once a reader loses parts, the datagrams of the last samples are kept here,
 //! and those that it asks for go again at once.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 use super::super::message::{Bitmap, Entity};
 use super::wire::Target;
@@ -20,23 +20,22 @@ const TIMES: usize = 4;
 /// Addresses to which a sample was sent.
 const TARGETS: usize = 64;
 
-#[derive(Debug)]
-struct Datagram {
-    first: u32,
-    end: u32,
-    bytes: Vec<u8>,
-}
+/// Bytes that go again beyond those of which the first request tells.
+const BEYOND: usize = 64 << 10;
+
+/// A sample as it goes to readers on this machine, or to others: its writer and number.
+pub(crate) type Of = (Entity, i64, bool);
 
 #[derive(Debug)]
 struct Sample {
-    writer: Entity,
-    number: i64,
+    of: Of,
     to: Vec<Target>,
-    datagrams: Vec<Datagram>,
+    /// By their first fragment, with the one after their last.
+    datagrams: BTreeMap<u32, (u32, Vec<u8>)>,
     size: usize,
     /// Bytes that were sent again.
     again: usize,
-    /// Datagrams that go again beyond those of which the next request tells.
+    /// Bytes that go again beyond those of which the next request tells.
     beyond: usize,
 }
 
@@ -57,13 +56,6 @@ pub(crate) struct Lack {
 }
 
 impl Lack {
-    /// Whether one of these fragments is missing.
-    fn is_of(&self, first: u32, end: u32) -> bool {
-        let numbers = self.missing.numbers().filter_map(|number| self.base.checked_add(number));
-        let mut numbers = numbers;
-        numbers.any(|number| (first..end).contains(&number))
-    }
-
     /// The fragment after those that it tells of, if the last of them is missing and there was no
     /// room to tell of more.
     fn goes_on(&self) -> Option<u32> {
@@ -74,73 +66,87 @@ impl Lack {
 
 impl Kept {
     /// Keeps a datagram that was sent, with the fragments from the first to before the second.
-    pub(crate) fn add(
-        &mut self,
-        (writer, number): (Entity, i64),
-        to: &Target,
-        (first, end): (u32, u32),
-        bytes: &[u8],
-    ) {
-        let of = |sample: &Sample| (sample.writer, sample.number) == (writer, number);
-        if !self.samples.iter().any(of) {
-            let (to, datagrams) = (Vec::new(), Vec::new());
-            let (size, again, beyond) = (0, 0, 1);
-            self.samples.push_back(Sample { writer, number, to, datagrams, size, again, beyond });
+    pub(crate) fn add(&mut self, of: Of, to: &Target, (first, end): (u32, u32), bytes: &[u8]) {
+        if !self.samples.iter().any(|sample| sample.of == of) {
+            let (to, datagrams) = (Vec::new(), BTreeMap::new());
+            let (size, again, beyond) = (0, 0, BEYOND);
+            self.samples.push_back(Sample { of, to, datagrams, size, again, beyond });
         }
-        let Some(sample) = self.samples.iter_mut().find(|sample| of(sample)) else { return };
+        let Some(sample) = self.samples.iter_mut().find(|sample| sample.of == of) else { return };
         if !sample.to.contains(to) && sample.to.len() < TARGETS {
             sample.to.push(*to);
         }
         // What goes to several readers, or again, is kept once.
-        if sample.datagrams.iter().any(|kept| kept.first <= first && end <= kept.end) {
+        if sample.datagrams.contains_key(&first) {
             return;
         }
-        sample.datagrams.push(Datagram { first, end, bytes: bytes.to_vec() });
+        sample.datagrams.insert(first, (end, bytes.to_vec()));
         sample.size += bytes.len();
         self.size += bytes.len();
-        let mut others = self.samples.iter().filter(|sample| sample.writer == writer);
-        let many = others.clone().count() > SAMPLES;
-        let oldest = others.next().map(|sample| sample.number);
-        if many {
-            self.remove(|sample| sample.writer == writer && Some(sample.number) == oldest);
+        let (writer, _, here) = of;
+        let is_of_writer = |sample: &Sample| (sample.of.0, sample.of.2) == (writer, here);
+        let mut others = self.samples.iter().filter(|sample| is_of_writer(sample));
+        if others.clone().count() > SAMPLES
+            && let Some(oldest) = others.next().map(|sample| sample.of)
+        {
+            self.remove(|sample| sample.of == oldest);
         }
-        while self.size > MOST && !self.samples.is_empty() {
-            let mut oldest = true;
-            self.remove(|_| std::mem::take(&mut oldest));
+        while self.size > MOST
+            && let Some(oldest) = self.samples.front().map(|sample| sample.of)
+        {
+            self.remove(|sample| sample.of == oldest);
         }
     }
 
-    fn remove(&mut self, mut of: impl FnMut(&Sample) -> bool) {
+    fn remove(&mut self, of: impl Fn(&Sample) -> bool) {
         self.samples.retain(|sample| !of(sample));
         self.size = self.samples.iter().map(|sample| sample.size).sum();
     }
 
-    /// Sends again what a reader lacks. Returns false if it is not kept, or was sent too often.
-    pub(crate) fn repair(&mut self, lack: &Lack, mut send: impl FnMut(&Target, &[u8])) -> bool {
-        let of =
-            |sample: &&mut Sample| (sample.writer, sample.number) == (lack.writer, lack.number);
-        let Some(sample) = self.samples.iter_mut().find(of) else { return false };
+    /// Sends again what a reader, on this machine or not, lacks. Returns false if it is not kept, or
+    /// was sent too often.
+    pub(crate) fn repair(
+        &mut self,
+        lack: &Lack,
+        here: bool,
+        mut send: impl FnMut(&Target, &[u8]),
+    ) -> bool {
+        let of = (lack.writer, lack.number, here);
+        let Some(sample) = self.samples.iter_mut().find(|sample| sample.of == of) else {
+            return false;
+        };
         let Sample { to, datagrams, size, again, beyond, .. } = sample;
         if *again >= *size * TIMES {
             return false;
         }
-        let mut sent = false;
-        let mut more = 0;
-        let goes_on = lack.goes_on();
-        for Datagram { first, end, bytes } in &*datagrams {
-            let follows = goes_on.is_some_and(|from| *first >= from) && more < *beyond;
-            more += usize::from(follows);
-            if follows || lack.is_of(*first, *end) {
-                to.iter().for_each(|to| send(to, bytes));
-                *again += bytes.len();
-                sent = true;
-            }
-        }
-        if goes_on.is_some() {
+        let has = |number: u32| {
+            let (first, (end, _)) = datagrams.range(..=number).next_back()?;
+            (number < *end).then_some(*first)
+        };
+        let missing = lack.missing.numbers().filter_map(|number| lack.base.checked_add(number));
+        let mut firsts: Vec<u32> = missing.filter_map(has).collect();
+        firsts.dedup();
+        if let Some(from) = lack.goes_on() {
             // Much is missing, and each request tells of little.
+            let mut more = 0;
+            firsts.extend(
+                datagrams
+                    .range(from..)
+                    .take_while(|(_, (_, bytes))| {
+                        more += bytes.len();
+                        more <= *beyond
+                    })
+                    .map(|(first, _)| *first),
+            );
             *beyond = beyond.saturating_mul(2);
         }
-        sent
+        for first in &firsts {
+            if let Some((_, bytes)) = datagrams.get(first) {
+                to.iter().for_each(|to| send(to, bytes));
+                *again += bytes.len();
+            }
+        }
+        !firsts.is_empty()
     }
 
     /// Forgets all.
@@ -170,17 +176,22 @@ mod tests {
                 for part in 0..10 {
                     // What goes to another reader, too, is there once.
                     for _ in 0..2 {
-                        kept.add((writer, number), &TO, (part * 9 + 1, part * 9 + 10), &datagram);
+                        kept.add(
+                            (writer, number, true),
+                            &TO,
+                            (part * 9 + 1, part * 9 + 10),
+                            &datagram,
+                        );
                     }
                 }
             }
         }
-        let numbers: Vec<i64> = kept.samples.iter().map(|sample| sample.number).collect();
+        let numbers: Vec<i64> = kept.samples.iter().map(|sample| sample.of.1).collect();
         assert_eq!(numbers, [48, 48, 49, 49]);
         assert_eq!(kept.size, 4 * 10 * datagram.len());
         for writer in 0..200 {
             for part in 0..10 {
-                kept.add(([1, 0, writer, 3], 1), &TO, (part + 1, part + 2), &datagram);
+                kept.add(([1, 0, writer, 3], 1, false), &TO, (part + 1, part + 2), &datagram);
                 assert!(kept.size <= MOST);
             }
         }

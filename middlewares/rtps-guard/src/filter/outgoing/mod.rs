@@ -2,6 +2,7 @@
 //! way that readers can take them.
 
 mod announced;
+mod copies;
 mod cut;
 mod joints;
 mod kept;
@@ -17,6 +18,7 @@ pub(crate) use mend::mended;
 pub(crate) use wire::{Target, Wire};
 
 use announced::Announced;
+use copies::Copies;
 use cut::Cut;
 use joints::Joints;
 use kept::Kept;
@@ -27,14 +29,16 @@ use pace::Pace;
 pub(crate) struct Outgoing {
     pub(crate) announced: Announced,
     locals: Locals,
+    copies: Copies,
     joints: Joints,
     pace: Pace,
     kept: Kept,
 }
 
 impl Outgoing {
-    /// Sends a message if it is part of a large sample for a reader on this machine; `None` if it is
-    /// not. Returns false if it could not be sent, and has to come again.
+    /// Sends a message if it is part of a large sample, and for readers on this machine, or if some
+    /// have lost parts of late; `None` if it may go as it is. Returns false if it could not be sent,
+    /// and has to come again.
     pub(crate) fn send_part(
         &mut self,
         to: &Target,
@@ -42,15 +46,18 @@ impl Outgoing {
         wire: &mut impl Wire,
     ) -> Option<bool> {
         let cut = Cut::read(message)?;
-        if !self.locals.has(*to.address.ip()) {
-            return None;
-        }
-        let Self { joints, pace, kept, .. } = self;
-        let slow = pace.is_slow(|| wire.now());
+        let Self { locals, copies, joints, pace, kept, .. } = self;
+        let (here, slow) = (locals.has(*to.address.ip()), pace.is_slow(|| wire.now()));
         if !slow && !kept.is_empty() {
             kept.clear();
         }
-        let sent = joints.add(to, &cut, message, &mut |to, datagram, cut, end| {
+        if !here && (!slow || to.address.ip().is_multicast()) {
+            return None;
+        }
+        if here && copies.has(to, &cut) {
+            return Some(true);
+        }
+        let mut send = |to: &Target, datagram: &[u8], cut: &Cut, end| {
             if slow && let Some(time) = pace.pause(datagram.len(), wire.now()) {
                 wire.pause(time);
             }
@@ -59,11 +66,15 @@ impl Outgoing {
                 if cut.first == 1 {
                     pace.begin();
                 }
-                kept.add((cut.writer, cut.number), to, (cut.first, end), datagram);
+                kept.add((cut.writer, cut.number, here), to, (cut.first, end), datagram);
             }
             sent
-        });
-        Some(sent)
+        };
+        Some(if here {
+            joints.add(to, &cut, message, &mut send)
+        } else {
+            send(to, message, &cut, cut.end())
+        })
     }
 
     /// A reader at this address lacks parts of a sample. Returns whether they were sent again.
@@ -74,15 +85,12 @@ impl Outgoing {
         wire: &mut impl Wire,
     ) -> bool {
         let Some(IpAddr::V4(reader)) = reader else { return false };
-        if !self.locals.has(reader) {
-            return false;
-        }
-        let Self { pace, kept, .. } = self;
+        let Self { locals, pace, kept, .. } = self;
         if !pace.is_slow(|| wire.now()) {
             tracing::debug!(%reader, "a reader loses parts of large samples: they are sent more slowly");
         }
         pace.lost(wire.now());
-        kept.repair(lack, |to, datagram| {
+        kept.repair(lack, locals.has(reader), |to, datagram| {
             if let Some(time) = pace.pause(datagram.len(), wire.now()) {
                 wire.pause(time);
             }
@@ -310,6 +318,23 @@ mod tests {
         let elsewhere = Some(IpAddr::from([203, 0, 113, 7]));
         assert!(!all.repair(elsewhere, &lack(2, 600..601), &mut net));
         assert!(!all.repair(None, &lack(2, 600..601), &mut net));
+    }
+
+    #[test]
+    fn readers_on_other_machines_get_again_what_they_lost_too_in_datagrams_as_small_as_before() {
+        let (mut all, mut net) = slow();
+        let elsewhere = at(Ipv4Addr::new(203, 0, 113, 7));
+        for message in messages(3) {
+            assert_eq!(all.send_part(&elsewhere, &message, &mut net), Some(true));
+        }
+        assert_eq!(net.sent, messages(3));
+        net.sent.clear();
+        let reader = Some(IpAddr::V4(*elsewhere.address.ip()));
+        assert!(all.repair(reader, &lack(3, 600..608), &mut net));
+        assert_eq!(parts(3, &net.sent), [(597, 601), (601, 605), (605, 609)]);
+        assert!(!all.repair(READER, &lack(3, 600..608), &mut net), "nobody here had that");
+        let multicast = at(Ipv4Addr::new(239, 255, 0, 1));
+        assert_eq!(all.send_part(&multicast, &messages(3)[0], &mut net), None);
     }
 
     #[test]
