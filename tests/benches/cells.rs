@@ -14,7 +14,7 @@
 use std::time::{Duration, Instant};
 
 use genom_tests::trial::task_of_1_khz;
-use genom_tests::{Footprint, Home, component, release, until_at_leisure};
+use genom_tests::{Footprint, Home, component, release, until};
 use rustix::process::{Pid, Signal, kill_process};
 
 fn main() {
@@ -43,10 +43,10 @@ fn main() {
             reactions[place].push(begin.elapsed());
             seen.push(Duration::from_secs_f64(told["seconds"].as_f64().expect("a number")));
         }
-        until_at_leisure("the cell runs", || pid(home, "base").is_some_and(|now| now != killed));
+        until("the cell runs", || pid(home, "base").is_some_and(|now| now != killed));
         answers.push(begin.elapsed());
         let port = || home.get("/components/demo/ports/parameter");
-        until_at_leisure("it is wired", || port()["connected"] == "mission/gain");
+        until("it is wired", || port()["connected"] == "mission/gain");
         wired.push(begin.elapsed());
     }
     println!("{kills} kills of a cell");

@@ -40,4 +40,4 @@ pub use http::{Events, Reply, connect, request};
 pub use many::{Footprint, Many, processor_time};
 pub use signal::signal;
 pub use transcript::transcript;
-pub use until::{until, until_answer, until_at_leisure};
+pub use until::{until, until_answer};

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::{APART, FAST, Trial, daemon_apart, exception, grown, told};
 use crate::faults::{Fault, Outcome, Seen};
-use crate::{Daemon, Footprint, Home, component, request, until, until_at_leisure};
+use crate::{Daemon, Footprint, Home, component, request, until};
 
 /// Name of the cell that is struck.
 const STRUCK: &str = "struck";
@@ -43,9 +43,7 @@ impl Trial {
             let begin = Instant::now();
             seen = called(&daemon, fault);
             if !fault.outcome.goes_on() {
-                until_at_leisure("it comes back", || {
-                    cell(&daemon)["starts"] != starts && wired(&daemon)
-                });
+                until("it comes back", || cell(&daemon)["starts"] != starts && wired(&daemon));
                 back.push(begin.elapsed());
             }
         }

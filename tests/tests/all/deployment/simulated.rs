@@ -8,9 +8,7 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 use genom_tests::python_client::python;
-use genom_tests::{
-    Daemon, Home, Running, WATCHDOG, component, path, program, repository, until_at_leisure,
-};
+use genom_tests::{Daemon, Home, Running, WATCHDOG, component, path, program, repository, until};
 use image::AnimationDecoder as _;
 use image::codecs::png::PngDecoder;
 use serde_json::Value;
@@ -129,7 +127,7 @@ fn the_same_deployment_moves_the_arm_in_real_time_on_zenoh() {
     assert_eq!(daemon.port("sim", "joints")["backend"], "zenoh");
     let goal = "goal=[0.5, 0.4, -0.8]";
     daemon.ctl(&["call", "planner", "move", goal, "duration=0.5"]).expect_code(0);
-    until_at_leisure("the joints are where the planner wants them", || {
+    until("the joints are where the planner wants them", || {
         distance(&daemon.port("sim", "joints")["value"], &[0.5, 0.4, -0.8]) < 0.02
     });
 }
