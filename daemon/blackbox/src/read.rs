@@ -1,8 +1,9 @@
 //! The reading side: what is in the memory of a process, whether it lives or not.
 //!
 //! The memory is copied with `pread`, headers of blocks before and after: a block that changed
-//! hands meanwhile is left out. Nothing is believed: a codel may have written anywhere, and a
-//! process may have been killed anywhere.
+//! hands meanwhile is left out. So are blocks that no track has, most of a memory that was never
+//! full. Nothing is believed: a codel may have written anywhere, and a process may have been killed
+//! anywhere.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -88,6 +89,41 @@ impl Words {
     }
 }
 
+/// Blocks that tracks have.
+struct Pool {
+    /// The number of each block, rising.
+    blocks: Vec<usize>,
+    /// Neighbours that were read at once, each with the number of its first block, rising.
+    runs: Vec<(usize, Words)>,
+}
+
+impl Pool {
+    /// Reads the blocks that have an owner, according to these headers.
+    fn read(memory: &Memory, headers: &Words) -> io::Result<Self> {
+        let Memory { file, layout } = memory;
+        let owned = |block: &usize| {
+            let (owner, _) = halves(headers.get(block * HEADER + OWNER));
+            owner != 0 && owner != BUSY
+        };
+        let blocks: Vec<usize> = (0..layout.blocks).filter(owned).collect();
+        let mut runs = Vec::new();
+        for run in blocks.chunk_by(|one, next| one + 1 == *next) {
+            let [first, ..] = run else { continue };
+            let part = layout.block(*first)..layout.block(first + run.len());
+            runs.push((*first, Words::read(file, part)?));
+        }
+        Ok(Self { blocks, runs })
+    }
+
+    /// The first bytes of a block.
+    fn get(&self, block: usize, used: usize) -> Option<&[u8]> {
+        let run = self.runs.partition_point(|(first, _)| *first <= block).checked_sub(1)?;
+        let (first, Words(bytes)) = self.runs.get(run)?;
+        let from = (block - first) * BLOCK;
+        bytes.get(from..from + used)
+    }
+}
+
 /// How full a memory is.
 ///
 /// # Errors
@@ -119,16 +155,16 @@ pub fn read(memory: &Memory) -> io::Result<Vec<Kept>> {
     let blocks = layout.blocks;
     let entries = Words::read(file, layout.entry(0)..layout.entry(blocks))?;
     let before = Words::read(file, layout.header(0)..layout.heads())?;
-    let pool = Words::read(file, layout.block(0)..layout.size())?;
+    let pool = Pool::read(memory, &before)?;
     let after = Words::read(file, layout.header(0)..layout.heads())?;
     // Blocks of each entry, by their place in its stream.
     let mut owned: BTreeMap<usize, BTreeMap<u64, usize>> = BTreeMap::new();
-    for block in 0..blocks {
+    for block in pool.blocks.iter().copied() {
         let at = |words: &Words, word| words.get(block * HEADER + word);
         let hands = |words| at(words, OWNER) & !CURRENT;
         let (owner, _) = halves(at(&before, OWNER));
         let same = hands(&before) == hands(&after) && at(&before, SEQUENCE) == at(&after, SEQUENCE);
-        let Some(entry) = (owner as usize).checked_sub(1).filter(|_| same && owner != BUSY) else {
+        let Some(entry) = (owner as usize).checked_sub(1).filter(|_| same) else {
             continue;
         };
         let state = entries.get(entry.saturating_mul(ENTRY) + STATE);
@@ -175,13 +211,13 @@ pub fn read(memory: &Memory) -> io::Result<Vec<Kept>> {
 
 impl Kept {
     /// Puts the stream together, and finds its records.
-    fn gather(&mut self, own: &BTreeMap<u64, usize>, headers: &Words, pool: &Words) {
+    fn gather(&mut self, own: &BTreeMap<u64, usize>, headers: &Words, pool: &Pool) {
         let mut begin = 0;
         let mut next = None;
         for (sequence, block) in own {
             let at = |word: usize| headers.get(block * HEADER + word);
             let used = usize::try_from(at(USED)).unwrap_or(usize::MAX).min(BLOCK);
-            let data = pool.0.get(block * BLOCK..block * BLOCK + used).unwrap_or_default();
+            let data = pool.get(*block, used).unwrap_or_default();
             if next != Some(*sequence) {
                 // A record that began in a block that is gone.
                 self.parse(begin);
