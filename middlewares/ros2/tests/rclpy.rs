@@ -119,7 +119,6 @@ fn images_of_6_mb_reach_a_ros_node_whole_and_in_order() {
     let at = Address::new("camera", "image");
     let mut writer = ros2.publisher(&PortSpec::new(&at, &image())).unwrap();
     let mut peer = peer(&domain);
-    peer.ask(&json!(["read", "/camera/image", "std_msgs/msg/UInt8MultiArray"]));
     let mut value = Record::new(&image());
     for n in 0_u8..4 {
         let mut octets = (0..=250).collect::<Vec<u8>>().repeat(24_000);
@@ -129,6 +128,10 @@ fn images_of_6_mb_reach_a_ros_node_whole_and_in_order() {
         let cdr = [&[0; 8][..], &length.to_le_bytes(), &octets].concat();
         value.decode_cdr(&cdr).unwrap();
         writer.publish(&value).unwrap();
+        if n == 0 {
+            // What is written while they meet may come twice.
+            peer.ask(&json!(["read", "/camera/image", "std_msgs/msg/UInt8MultiArray"]));
+        }
         let sum: u64 = (0_u64..).zip(&octets).map(|(place, octet)| place * u64::from(*octet)).sum();
         let came = peer.ask(&json!(["digest", "/camera/image"]));
         assert_eq!(came, json!([octets.len(), sum]));

@@ -24,7 +24,7 @@ struct World {
     now: Duration,
     /// Whether what readers lack is sent again, and what they did.
     repairs: bool,
-    lacks: Vec<(Option<IpAddr>, Lack)>,
+    lacks: Vec<Lack>,
 }
 
 impl World {
@@ -37,8 +37,7 @@ impl World {
 
     fn with(limits: Limits) -> Self {
         let tally = Arc::new(Tally::default());
-        let guard = Guard::new(limits, Arc::clone(&tally));
-        let now = Duration::from_secs(9);
+        let (guard, now) = (Guard::new(limits, Arc::clone(&tally)), Duration::from_secs(9));
         Self { guard, tally, now, repairs: false, lacks: Vec::new() }
     }
 
@@ -54,12 +53,11 @@ impl World {
     }
 
     fn hears_from(&mut self, datagram: &mut [u8], host: u8) -> bool {
-        let address = IpAddr::from([10, 0, 0, host]);
-        let (repaired, lacks) = (self.repairs, &mut self.lacks);
-        self.guard.screen(datagram, Some(address), self.now, &mut |from, lack| {
-            lacks.push((from, *lack));
-            repaired
-        })
+        let repair = &mut |_, lack: &Lack| {
+            self.lacks.push(*lack);
+            self.repairs
+        };
+        self.guard.screen(datagram, Some(IpAddr::from([10, 0, 0, host])), self.now, repair)
     }
 
     /// Kind and body of a submessage of the peer's after the guard.
@@ -490,19 +488,13 @@ proptest! {
 
 #[test]
 fn what_is_sent_again_is_not_asked_of_rustdds() {
-    let mut world = World::new();
-    let nack = || forger::nack_fragments(USER, 4, 300, 1);
-    assert!(world.passes(nack()), "few fragments are left to RustDDS");
-    world.repairs = true;
-    assert!(world.is_silenced(nack()));
-    let [.., (from, lack)] = world.lacks[..] else { panic!("nobody was asked") };
-    assert_eq!(from, Some(IpAddr::from([10, 0, 0, 1])));
-    assert_eq!((lack.writer, lack.number, lack.base), (USER, 4, 300));
-    assert_eq!(lack.missing.numbers().collect::<Vec<_>>(), [0]);
+    let mut world = World { repairs: true, ..World::new() };
+    let nack = |number, base| forger::nack_fragments(USER, number, base, 1);
+    assert!(world.is_silenced(nack(4, 300)));
+    let Lack { writer, number, base, missing } = world.lacks[0];
+    assert_eq!((writer, number, base, missing.count()), (USER, 4, 300, 1));
     // Strangers, and numbers that cannot be, are not heard.
-    let before = world.lacks.len();
-    assert!(!world.hears(&mut OTHER.message(&[nack()])));
-    assert!(world.is_silenced(forger::nack_fragments(USER, 4, u32::MAX, 1)));
-    assert!(world.is_silenced(forger::nack_fragments(USER, -4, 300, 1)));
-    assert_eq!(world.lacks.len(), before);
+    assert!(!world.hears(&mut OTHER.message(&[nack(4, 300)])));
+    assert!(world.is_silenced(nack(4, u32::MAX)) && world.is_silenced(nack(-4, 300)));
+    assert_eq!(world.lacks.len(), 1);
 }
