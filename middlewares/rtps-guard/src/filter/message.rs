@@ -151,7 +151,7 @@ impl<'a> Fields<'a> {
 /// Which numbers are in a set, counted from its base.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Bitmap {
-    pub(crate) length: u32,
+    length: u32,
     /// The first number is the highest bit of the first word.
     words: [u32; Bitmap::MOST as usize / 32],
 }

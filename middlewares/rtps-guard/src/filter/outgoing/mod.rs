@@ -58,11 +58,11 @@ impl Outgoing {
             return Some(true);
         }
         let mut send = |to: &Target, datagram: &[u8], cut: &Cut, end| {
-            if slow && let Some(time) = pace.pause(datagram.len(), wire.now()) {
-                wire.pause(time);
+            if !slow {
+                return wire.send(to, datagram);
             }
-            let sent = wire.send(to, datagram);
-            if sent && slow {
+            let sent = send_slowly(pace, wire, to, datagram);
+            if sent {
                 if cut.first == 1 {
                     pace.begin();
                 }
@@ -91,13 +91,18 @@ impl Outgoing {
         }
         pace.lost(wire.now());
         kept.repair(lack, locals.has(reader), |to, datagram| {
-            if let Some(time) = pace.pause(datagram.len(), wire.now()) {
-                wire.pause(time);
-            }
             // What has no room now is asked for again.
-            wire.send(to, datagram);
+            send_slowly(pace, wire, to, datagram);
         })
     }
+}
+
+/// Sends a datagram after the pause that it needs.
+fn send_slowly(pace: &mut Pace, wire: &mut impl Wire, to: &Target, datagram: &[u8]) -> bool {
+    if let Some(time) = pace.pause(datagram.len(), wire.now()) {
+        wire.pause(time);
+    }
+    wire.send(to, datagram)
 }
 
 #[cfg(test)]
