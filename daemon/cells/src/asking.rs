@@ -1,10 +1,10 @@
 //! Requests to a cell.
 
-use genom_protocol::Replayed;
 use genom_protocol::routes::{self, Route};
+use genom_protocol::{CellState, Replayed};
 use http_body_util::BodyExt as _;
 use hyper::body::{Body, Bytes, Incoming};
-use hyper::{Request, Response};
+use hyper::{Method, Request, Response};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -12,7 +12,8 @@ use crate::cell::{Cell, Down};
 use crate::client::AskError;
 
 impl Cell {
-    /// Passes a request on as it is, and its response back.
+    /// Passes a request on as it is, and its response back. Of a cell that is stopping, how its
+    /// activities end can still be learnt.
     ///
     /// # Errors
     /// The cell is down, or its process ended before it had answered.
@@ -22,7 +23,12 @@ impl Cell {
         B::Data: Send,
         B::Error: Into<Box<dyn std::error::Error + Send + Sync>>,
     {
-        self.answers().await?;
+        match self.answers().await {
+            Err(down) if down.state != CellState::Stopping || request.method() != Method::GET => {
+                return Err(down);
+            }
+            _ => {}
+        }
         match self.client().send(request).await {
             Ok(response) => Ok(response),
             Err(_) => Err(self.lost().await),

@@ -1,13 +1,14 @@
 //! The writing side of an out port: its publishers, on one middleware or several, can be exchanged
 //! while the component runs.
 
-use std::sync::{Arc, Mutex, PoisonError, TryLockError};
+use std::sync::Arc;
 
 use genom_middleware::{PublishError, Publisher};
 use genom_runtime::Clock;
 use genom_types::{DataType, Record};
 
 use crate::gauge::Gauge;
+use crate::held::Held;
 use crate::tape::{Tapes, Way};
 
 /// The publishers of an out port, each with the name of its middleware, in the order requested.
@@ -16,9 +17,7 @@ pub type Ends = Vec<(String, Box<dyn Publisher>)>;
 /// The supervisor's handle on an out port's publishers.
 #[derive(Clone)]
 pub struct Fan {
-    /// Locked by the codel at each write, and by the supervisor only while all codels are excluded,
-    /// so that a codel never waits for it.
-    ends: Arc<Mutex<Ends>>,
+    ends: Arc<Held<Ends>>,
     gauge: Arc<Gauge>,
     tapes: Arc<Tapes>,
 }
@@ -27,7 +26,7 @@ impl Fan {
     /// A port of type `ty` with these publishers.
     pub fn new(ends: Ends, clock: &Clock, ty: &DataType) -> Self {
         Self {
-            ends: Arc::new(Mutex::new(ends)),
+            ends: Arc::new(Held::new(ends, Vec::new)),
             gauge: Arc::new(Gauge::new(clock, ty)),
             tapes: Arc::default(),
         }
@@ -52,21 +51,13 @@ impl Fan {
     /// by the caller, since dropping one may take long. All codels must be excluded during the
     /// call.
     pub fn exchange(&self, change: impl FnOnce(&mut Ends) -> Ends) -> Ends {
-        change(&mut self.ends.lock().unwrap_or_else(PoisonError::into_inner))
+        self.ends.with(change)
     }
 
-    /// Drops the publishers of a component that did not stop. Returns `false`, and drops nothing,
-    /// if a codel is inside `write`.
+    /// Drops the publishers of a component that did not stop. Returns `false` if a codel stays inside
+    /// `write`: they are dropped when it comes back.
     pub fn cut(&self) -> bool {
-        let ends = match self.ends.try_lock() {
-            Ok(mut ends) => std::mem::take(&mut *ends),
-            Err(TryLockError::Poisoned(poisoned)) => std::mem::take(&mut *poisoned.into_inner()),
-            Err(TryLockError::WouldBlock) => return false,
-        };
-        // Dropped after the lock is released, so that a codel that enters `write` now does not
-        // wait.
-        drop(ends);
-        true
+        self.ends.cut()
     }
 }
 
@@ -87,33 +78,34 @@ impl Publisher for FanPublisher {
     /// value.
     fn publish(&mut self, value: &Record) -> Result<(), PublishError> {
         let Fan { ends, gauge, tapes } = &self.fan;
-        let mut ends = ends.lock().unwrap_or_else(PoisonError::into_inner);
-        let (mut taken, mut dropped, mut failure) = (false, 0, None);
-        let begun = tapes.begin();
-        for (_, end) in ends.iter_mut() {
-            match end.publish(value) {
-                Ok(()) => taken = true,
-                Err(error) => {
-                    gauge.failed();
-                    failure = failure.or(Some(error));
+        let scratch = &mut self.scratch;
+        ends.used(|ends| {
+            let (mut taken, mut dropped, mut failure) = (false, 0, None);
+            let begun = tapes.begin();
+            for (_, end) in ends.iter_mut() {
+                match end.publish(value) {
+                    Ok(()) => taken = true,
+                    Err(error) => {
+                        gauge.failed();
+                        failure = failure.or(Some(error));
+                    }
+                }
+                dropped += end.dropped();
+            }
+            match failure {
+                Some(error) if !taken => Err(error),
+                _ => {
+                    gauge.passed(dropped);
+                    gauge.weigh(value, scratch);
+                    tapes.take(value, Way { begun, arrived: None });
+                    Ok(())
                 }
             }
-            dropped += end.dropped();
-        }
-        match failure {
-            Some(error) if !taken => Err(error),
-            _ => {
-                gauge.passed(dropped);
-                gauge.weigh(value, &mut self.scratch);
-                tapes.take(value, Way { begun, arrived: None });
-                Ok(())
-            }
-        }
+        })
     }
 
     fn dropped(&self) -> u64 {
-        let ends = self.fan.ends.lock().unwrap_or_else(PoisonError::into_inner);
-        ends.iter().map(|(_, end)| end.dropped()).sum()
+        self.fan.ends.with(|ends| ends.iter().map(|(_, end)| end.dropped()).sum())
     }
 }
 

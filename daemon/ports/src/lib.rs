@@ -12,6 +12,7 @@ pub mod dates;
 mod fan;
 mod feeds;
 pub mod gauge;
+mod held;
 mod key;
 mod needs;
 mod tap;

@@ -1,20 +1,19 @@
 //! The reading side of a connection: its subscription can be exchanged while codels read.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use genom_middleware::{ReadError, Reading, Subscription};
 use genom_runtime::Clock;
 use genom_types::{DataType, Record};
 
 use crate::gauge::Gauge;
+use crate::held::Held;
 use crate::tape::{Tapes, Way};
 
 /// The supervisor's handle on the subscription of an in port.
 #[derive(Clone)]
 pub struct Tap {
-    /// Locked by the codel at each read, and by the supervisor only while all codels are excluded,
-    /// so that a codel never waits for it.
-    end: Arc<Mutex<Box<dyn Subscription>>>,
+    end: Arc<Held<Box<dyn Subscription>>>,
     gauge: Arc<Gauge>,
     tapes: Arc<Tapes>,
 }
@@ -23,7 +22,7 @@ impl Tap {
     /// A connection of type `ty` that reads from `end`.
     pub fn new(end: Box<dyn Subscription>, clock: &Clock, ty: &DataType) -> Self {
         let (gauge, tapes) = (Arc::new(Gauge::new(clock, ty)), Arc::default());
-        Self { end: Arc::new(Mutex::new(end)), gauge, tapes }
+        Self { end: Arc::new(Held::new(end, || Box::new(Nothing))), gauge, tapes }
     }
 
     /// The subscription that is given to the component.
@@ -44,16 +43,13 @@ impl Tap {
     /// Replaces the subscription, and returns the previous one to be dropped by the caller. All
     /// codels must be excluded during the call.
     pub fn exchange(&self, end: Box<dyn Subscription>) -> Box<dyn Subscription> {
-        std::mem::replace(&mut *self.end.lock().unwrap_or_else(PoisonError::into_inner), end)
+        self.end.with(|present| std::mem::replace(present, end))
     }
 
-    /// Drops the subscription of a component that did not stop, unless a codel is inside `read`.
-    pub fn cut(&self) {
-        if let Ok(mut end) = self.end.try_lock() {
-            let old = std::mem::replace(&mut *end, Box::new(Nothing));
-            drop(end);
-            drop(old);
-        }
+    /// Drops the subscription of a component that did not stop. Returns `false` if a codel stays inside
+    /// `read`: it is dropped when that comes back.
+    pub fn cut(&self) -> bool {
+        self.end.cut()
     }
 }
 
@@ -88,30 +84,32 @@ struct TapSubscription {
 impl Subscription for TapSubscription {
     fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
         let Tap { end, gauge, tapes } = &self.tap;
-        let mut end = end.lock().unwrap_or_else(PoisonError::into_inner);
-        let begun = tapes.begin();
-        let reading = end.read(into);
-        // Some middlewares detect losses only when there is nothing more to read.
-        gauge.lost(end.dropped());
-        match reading {
-            Ok(Reading::New) => {
-                self.read = true;
-                gauge.passed(end.dropped());
-                gauge.weigh(into, &mut self.scratch);
-                tapes.take(into, Way { begun, arrived: end.arrived() });
-                Ok(Reading::New)
+        let (read, scratch) = (&mut self.read, &mut self.scratch);
+        end.used(|end| {
+            let begun = tapes.begin();
+            let reading = end.read(into);
+            // Some middlewares detect losses only when there is nothing more to read.
+            gauge.lost(end.dropped());
+            match reading {
+                Ok(Reading::New) => {
+                    *read = true;
+                    gauge.passed(end.dropped());
+                    gauge.weigh(into, scratch);
+                    tapes.take(into, Way { begun, arrived: end.arrived() });
+                    Ok(Reading::New)
+                }
+                Ok(Reading::Never) if *read => Ok(Reading::Same),
+                Ok(other) => Ok(other),
+                Err(error) => {
+                    gauge.failed();
+                    Err(error)
+                }
             }
-            Ok(Reading::Never) if self.read => Ok(Reading::Same),
-            Ok(other) => Ok(other),
-            Err(error) => {
-                gauge.failed();
-                Err(error)
-            }
-        }
+        })
     }
 
     fn dropped(&self) -> u64 {
-        self.tap.end.lock().unwrap_or_else(PoisonError::into_inner).dropped()
+        self.tap.end.with(|end| end.dropped())
     }
 }
 

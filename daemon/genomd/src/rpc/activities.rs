@@ -31,7 +31,7 @@ pub(crate) async fn list(
 }
 
 /// Describe an activity, or wait for its end. It is given by its number, or by the name of a
-/// service for the latest one.
+/// service for the latest one. Its component may be about to stop.
 ///
 /// An ended activity is kept for `rpc.keep_results` seconds (configuration of the daemon).
 #[utoipa::path(
@@ -46,7 +46,11 @@ pub(crate) async fn look(
     Path((component, activity)): Path<(String, String)>,
     Parameters(parameters): Parameters<LookParameters>,
 ) -> Result<Json<genom_protocol::Activity>, RpcError> {
-    let hosted = components::find(&supervisor.components, &component)?;
+    let all = &supervisor.components;
+    let hosted = match all.being_stopped(&component) {
+        Some(hosted) => hosted,
+        None => components::find(all, &component)?,
+    };
     let activity = match activity.parse::<u64>() {
         Ok(_) => find(&hosted, &activity)?,
         Err(_) => of_service(&hosted, &activity)?.pop().ok_or_else(|| {
@@ -55,12 +59,15 @@ pub(crate) async fn look(
                 .help(format!("`genomctl info {component} {activity}` tells what it is"))
         })?,
     };
+    // Whoever waits does not keep the component, which may be stopped meanwhile.
+    let hosted = Arc::downgrade(&hosted);
     if let Some(seconds) = parameters.wait {
         let wait = genom_doors::wait(seconds)?;
         // On timeout, the reply describes the running activity.
         let _ = tokio::time::timeout(wait, activity.ended()).await;
     }
-    Ok(Json(activity.look(hosted.state(activity.number))))
+    let state = hosted.upgrade().and_then(|hosted| hosted.state(activity.number));
+    Ok(Json(activity.look(state)))
 }
 
 /// Ask an activity to stop, given by its number, or all activities of a service, given by its name.

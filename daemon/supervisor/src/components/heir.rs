@@ -16,7 +16,7 @@ use genom_types::{DataType, Record};
 use super::frozen::{LastValues, native_in};
 use super::hosted::Hosted;
 use super::prepared::{Unfit, prepare};
-use super::running::{Components, Slot};
+use super::running::Components;
 use super::tracked::resume;
 use super::vacated::is_vacated;
 
@@ -62,7 +62,7 @@ impl Components {
             }
             before.release_ports(from);
             heir.watcher.inherit(&before.watcher);
-            let _ = self.exchange_running(&heir.name, Slot::Running(Arc::clone(heir)));
+            let _ = self.replace(&heir.name, Arc::clone(heir));
         };
         let done =
             before.instance.hand_over(&heir.instance, (limit, timeout), convert, exchange)?;

@@ -1,6 +1,6 @@
 //! The components by name: running ones, and those being loaded or stopped.
 
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::{Arc, PoisonError, RwLock, Weak};
 
 use genom_runtime::ShutdownError;
 use indexmap::IndexMap;
@@ -29,9 +29,9 @@ pub(super) enum Slot {
     /// Its component is being loaded; requests do not find it yet.
     Loading,
     Running(Arc<Hosted>),
-    /// Its component is being stopped; requests do not find it any more. The name becomes free when
-    /// the codels have ended.
-    Stopping,
+    /// Its component is being stopped; only requests about its activities still find it. The name
+    /// becomes free when the codels have ended.
+    Stopping(Weak<Hosted>),
 }
 
 /// The components by instance name, in the order they were loaded.
@@ -47,6 +47,15 @@ impl Components {
     pub fn get(&self, name: &str) -> Option<Arc<Hosted>> {
         match self.slots.read().unwrap_or_else(PoisonError::into_inner).get(name) {
             Some(Slot::Running(hosted)) => Some(Arc::clone(hosted)),
+            _ => None,
+        }
+    }
+
+    /// The component of that name that is being stopped, until it is closed: how its activities end is
+    /// still of interest.
+    pub fn being_stopped(&self, name: &str) -> Option<Arc<Hosted>> {
+        match self.slots.read().unwrap_or_else(PoisonError::into_inner).get(name) {
+            Some(Slot::Stopping(hosted)) => hosted.upgrade(),
             _ => None,
         }
     }
@@ -78,7 +87,7 @@ impl Components {
 
     /// Names of components that are being stopped.
     pub fn stopping(&self) -> Vec<String> {
-        self.names(|slot| matches!(slot, Slot::Stopping))
+        self.names(|slot| matches!(slot, Slot::Stopping(_)))
     }
 
     /// Names of components that are being loaded.
@@ -106,10 +115,27 @@ impl Components {
         self.slots.write().unwrap_or_else(PoisonError::into_inner).shift_remove(name);
     }
 
-    pub(super) fn exchange_running(&self, name: &str, new: Slot) -> Option<Slot> {
+    /// Puts a component in the place of a running one, which is returned.
+    pub(super) fn replace(&self, name: &str, new: Arc<Hosted>) -> Option<Arc<Hosted>> {
+        self.exchange_running(name, |_| Slot::Running(new))
+    }
+
+    /// A running component, which is to be stopped: requests do not find it any more.
+    pub(super) fn withdraw(&self, name: &str) -> Option<Arc<Hosted>> {
+        self.exchange_running(name, |old| Slot::Stopping(Arc::downgrade(old)))
+    }
+
+    fn exchange_running(
+        &self,
+        name: &str,
+        new: impl FnOnce(&Arc<Hosted>) -> Slot,
+    ) -> Option<Arc<Hosted>> {
         let mut slots = self.slots.write().unwrap_or_else(PoisonError::into_inner);
-        let slot = slots.get_mut(name).filter(|slot| matches!(slot, Slot::Running(_)))?;
-        Some(std::mem::replace(slot, new))
+        let slot = slots.get_mut(name)?;
+        let Slot::Running(old) = &*slot else { return None };
+        let old = Arc::clone(old);
+        *slot = new(&old);
+        Some(old)
     }
 }
 

@@ -13,7 +13,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::hosted::Hosted;
-use super::running::{Components, Slot, UnloadError};
+use super::running::{Components, UnloadError};
 
 /// Number of threads that close ports and libraries.
 const HELPERS: usize = 8;
@@ -41,9 +41,9 @@ impl Components {
     pub fn remove(&self, names: &[String], timeout: Duration, told: OnGone<'_>) {
         let mut going = Vec::with_capacity(names.len());
         for name in names {
-            match self.exchange_running(name, Slot::Stopping) {
-                Some(Slot::Running(hosted)) => going.push(hosted),
-                _ => told(name, &Err(UnloadError::NotThere(name.clone()))),
+            match self.withdraw(name) {
+                Some(hosted) => going.push(hosted),
+                None => told(name, &Err(UnloadError::NotThere(name.clone()))),
             }
         }
         let (sender, departed) = channel();

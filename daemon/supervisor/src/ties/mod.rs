@@ -205,16 +205,26 @@ impl Ties {
     /// Cuts off a component that did not stop: its addresses become free, and codels that return
     /// later write to nobody and read nothing.
     ///
-    /// This does not wait: if a codel is inside `write` or `read` of a port, that one stays open.
+    /// If a codel stays inside `write` or `read` of a port, that one is closed when it comes back.
     pub(crate) fn cut(&self) {
         let old = self.with(std::mem::take);
         for (key, fan) in &old.opened {
             if !fan.cut() {
                 let (port, element) = (key.port, key.element().unwrap_or_default());
-                tracing::warn!("a codel is within `write` of port {port} {element}: it stays open");
+                tracing::warn!(
+                    "a codel is within `write` of port {port} {element}: it stays open until that \
+                     returns"
+                );
             }
         }
-        old.ports.values().for_each(|(_, tap)| tap.cut());
+        for (connection, tap) in old.ports.values() {
+            if !tap.cut() {
+                let at = &connection.inport;
+                tracing::warn!(
+                    "a codel is within `read` of {at}: it stays open until that returns"
+                );
+            }
+        }
         drop(old);
         self.feeds.close_all();
     }

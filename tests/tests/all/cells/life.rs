@@ -1,5 +1,7 @@
 //! A cell from its start to its end: what runs in it is used as any other component.
 
+use std::fs;
+
 use genom_tests::{Daemon, component, path};
 use serde_json::json;
 
@@ -79,13 +81,37 @@ fn the_end_of_the_daemon_is_that_of_its_cells() {
     let daemon = Daemon::start(&[]);
     load(&daemon, "demo", &["--isolated"]);
     let files = files(&daemon);
-    let mut events = daemon.events();
     let waiting = daemon.spawn(&["start", "--wait", "demo", "goto", "goal=10"]);
-    events.wait_for(|e| e["state"] == "main" && e["paused"] == true);
+    // It has run for long, and needs several periods to stop.
+    let echo = daemon.spawn(&["echo", "demo/position", "--rate", "200"]);
+    echo.line_where(|line| line.contains("\"velocity\":0.5"));
+    drop(echo);
     let (stopped, home) = daemon.stop("TERM");
     stopped.expect_code(0);
     // Interrupted as by any stop: its `stop` codel ran.
     waiting.finish().expect_code(0).expect_out("done\n");
     assert!(!files.exists());
     assert!(home.memory().files().is_empty());
+}
+
+/// How an activity ends that began before a daemon was told to stop is learnt by who asks after that.
+#[test]
+fn a_cell_that_stops_tells_of_its_activities_until_they_have_ended() {
+    let daemon = Daemon::start(&[]);
+    load(&daemon, "blocks", &["--isolated"]);
+    let file = daemon.home().path().join("go on");
+    let input = format!("file={}", path(&file));
+    daemon.ctl(&["start", "blocks", "hang_until", &input]).expect_code(0);
+    daemon.process().signal("TERM");
+    genom_tests::until("it stops", || cell(&daemon, "blocks")["state"] == "stopping");
+    // Its cell hears of it a moment later.
+    genom_tests::until("the cell stops", || {
+        daemon.ctl(&["call", "blocks", "get_count"]).code == Some(1)
+    });
+    daemon
+        .ctl(&["wait", "blocks", "hang_until", "--timeout", "0.01"])
+        .expect_code(1)
+        .expect_err("still runs after 0.01 s");
+    fs::write(&file, "").unwrap();
+    daemon.finish().0.expect_code(0);
 }

@@ -4,6 +4,7 @@ use std::fs;
 use std::time::Duration;
 
 use genom_tests::{Daemon, Home, component, path, request, until};
+use serde_json::json;
 
 /// A demo, and `blocks` with one of its activities in a codel that does not return.
 fn hanging_in(activity: &str, arguments: &[&str]) -> Daemon {
@@ -171,6 +172,24 @@ fn after_an_unload_that_failed_the_name_is_free_and_what_is_left_is_told_until_i
     until("what was left behind is gone", || left().is_null());
     daemon.process().error_line_where(|line| line.contains("has ended, and is gone")).unwrap();
     daemon.ctl(&["call", "blocks", "get_count"]).expect_code(0);
+    daemon.stop("TERM").0.expect_code(0);
+}
+
+#[test]
+fn how_an_activity_ends_is_learnt_also_while_its_component_is_unloaded() {
+    let (home, blocks) = (Home::new(), component("blocks"));
+    let file = home.path().join("go on");
+    let daemon = home.start(&["--set", "stop_timeout=60", path(&blocks.library)]);
+    let input = format!("file={}", path(&file));
+    daemon.ctl(&["start", "blocks", "hang_until", &input]).expect_code(0);
+    let unload = daemon.spawn(&["unload", "blocks"]);
+    until("it is being unloaded", || daemon.json(&["list"])["components"] == json!([]));
+    let look = ["wait", "blocks", "hang_until", "--timeout", "0.01"];
+    daemon.ctl(&look).expect_code(1).expect_err("still runs after 0.01 s");
+    daemon.ctl(&["call", "blocks", "get_count"]).expect_code(1).expect_err("no component `blocks`");
+    fs::write(&file, "").unwrap();
+    unload.finish().expect_code(0);
+    daemon.ctl(&look).expect_code(1).expect_err("no component `blocks`");
     daemon.stop("TERM").0.expect_code(0);
 }
 

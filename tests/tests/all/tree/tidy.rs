@@ -17,7 +17,7 @@ const FLOORS: &[(&str, &str)] = &[
         "configuration",
         "error limits runners cells states crashes reload gateways pattern blackbox recordings levels place terms offers rpc web foxglove lifecycle container spot overrides plugins file lib",
     ),
-    ("ports", "dates gauge key needs tape fan feeds tap lib"),
+    ("ports", "dates gauge held key needs tape fan feeds tap lib"),
     (
         "supervisor",
         "outcome limits settings waiting reactor spans recording ties components connections \
