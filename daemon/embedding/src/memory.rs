@@ -7,14 +7,14 @@
 //! bytes that it checks.
 
 use std::fs::File;
-use std::io::{self, IoSliceMut};
+use std::io::{self, IoSlice, IoSliceMut};
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::os::unix::fs::FileExt as _;
 
 use rustix::fs::{
     MemfdFlags, SealFlags, fcntl_add_seals, fcntl_get_seals, ftruncate, memfd_create,
 };
-use rustix::io::{Errno, preadv};
+use rustix::io::{Errno, preadv, pwritev};
 
 /// Where the value is. A multiple of every alignment.
 pub(crate) const VALUE_AT: u64 = 64;
@@ -89,9 +89,17 @@ impl Memory {
         self.file.write_all_at(value, VALUE_AT)
     }
 
-    /// Says how often the value was written.
-    pub(crate) fn set_written(&self, count: u64) -> io::Result<()> {
-        self.file.write_all_at(&count.to_ne_bytes(), 0)
+    /// Sets the value, and how often it was written, of a port that is there: a small value takes one
+    /// call of the system, which each step makes for each out port that was written.
+    pub(crate) fn show(&self, value: &[u8], count: u64) -> io::Result<()> {
+        let head = [0; VALUE_AT as usize - 8];
+        let parts = [&count.to_ne_bytes()[..], &head, value];
+        let whole = VALUE_AT as usize + value.len();
+        if pwritev(&self.file, &parts.map(IoSlice::new), 0)? != whole {
+            // Its size stays: the system has stopped in the middle of a large value.
+            self.write(value)?;
+        }
+        Ok(())
     }
 
     /// Whether it is said that the port is gone.
@@ -132,6 +140,11 @@ mod tests {
         assert_eq!(memory.read_new(2, &mut value).unwrap(), Some(3));
         assert_eq!((memory.written().unwrap(), &value), (3, b"abcd"));
         assert_eq!(memory.read_new(3, &mut value).unwrap(), None);
+        memory.show(b"efgh", 4).unwrap();
+        let mut whole = [0; VALUE_AT as usize + 4];
+        theirs.read_exact_at(&mut whole, 0).unwrap();
+        assert_eq!(whole[..8], 4_u64.to_ne_bytes());
+        assert_eq!((&whole[8..64], &whole[64..]), (&[0; 56][..], &b"efgh"[..]));
         assert!(theirs.set_len(1).is_err() && theirs.set_len(4096).is_err());
         assert!(!memory.is_gone().unwrap());
         memory.set_gone(true).unwrap();

@@ -138,8 +138,7 @@ impl Port {
         // Of a large value that nobody had looked at there is no copy before the next one.
         let Some(value) = hosted.last_value(&self.key) else { return Ok(()) };
         let bytes = value.bytes().unwrap_or_default();
-        let written = memory.write(bytes).and_then(|()| memory.set_written(samples));
-        written.map_err(|error| self.no_memory(&error))?;
+        memory.show(bytes, samples).map_err(|error| self.no_memory(&error))?;
         self.shown = Some(samples);
         Ok(())
     }

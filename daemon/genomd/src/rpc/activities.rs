@@ -31,9 +31,10 @@ pub(crate) async fn list(
 }
 
 /// Describe an activity, or wait for its end. It is given by its number, or by the name of a
-/// service for the latest one. Its component may be about to stop.
+/// service for the latest one.
 ///
-/// An ended activity is kept for `rpc.keep_results` seconds (configuration of the daemon).
+/// An ended activity is kept for `rpc.keep_results` seconds (configuration of the daemon). A component
+/// that is being stopped still tells of its activities.
 #[utoipa::path(
     get,
     path = "/components/{component}/activities/{activity}",

@@ -14,7 +14,6 @@ use genom_types::{BytesError, CdrError, JsonError, Record};
 use super::core::Connections;
 use super::port::{AttachError, Source};
 use crate::components::Hosted;
-use crate::ties::PortConnection;
 
 /// Why a value was not published. The port keeps its last value.
 #[derive(Debug, thiserror::Error)]
@@ -83,10 +82,7 @@ impl Connections {
         };
         // Locked throughout: if two callers publish first, only one opens the publisher.
         hosted.ties.feeds.hold(|feeds| {
-            let connection = hosted.ties.connection(key);
-            if let Some(PortConnection { outport, .. }) = &connection
-                && *outport != inport
-            {
+            if let Some(outport) = hosted.ties.reads_other(key, &inport) {
                 let (inport, outport) = (inport.to_string(), outport.to_string());
                 return Err(FeedError::Connected { inport, outport });
             }
@@ -103,6 +99,7 @@ impl Connections {
             fill(&mut value)?;
             // The port is connected to its own address already: use the middleware of that
             // connection.
+            let connection = hosted.ties.connection(key);
             let backend = match &connection {
                 Some(made) => made.backend.clone(),
                 None => hosted.backends_of(key).first().to_owned(),

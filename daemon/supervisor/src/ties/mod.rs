@@ -78,6 +78,14 @@ impl Ties {
         self.with(|state| state.ports.get(key).map(|(connection, _)| connection.clone()))
     }
 
+    /// The out port that an in port reads, unless that is this address.
+    pub(crate) fn reads_other(&self, key: &PortKey, own: &Address) -> Option<Address> {
+        self.with(|state| {
+            let (connection, _) = state.ports.get(key)?;
+            (connection.outport != *own).then(|| connection.outport.clone())
+        })
+    }
+
     /// The connection of a remote, given by its index.
     #[must_use]
     pub fn remote(&self, remote: RemoteIx) -> Option<ServiceConnection> {
