@@ -33,7 +33,7 @@ pub use histograms::histograms;
 #[doc(hidden)]
 pub use images::__path_image;
 pub use images::image;
-pub use named::{find, find_port, key};
+pub use named::{activities_of, find, find_activity, find_port, find_until_closed, key};
 #[doc(hidden)]
 pub use plots::__path_plots;
 pub use plots::plots;

@@ -1,12 +1,13 @@
-//! Components and ports by the names in a request.
+//! Components, their ports and activities, by the names in a request.
 
 use std::sync::Arc;
 
+use axum::http::StatusCode;
 use genom_description::model::PortIx;
 use genom_doors::RpcError;
 use genom_ports::PortKey;
 use genom_protocol::Code;
-use genom_supervisor::components::{Components as Running, Hosted};
+use genom_supervisor::components::{Activity, Components as Running, Hosted};
 
 /// The running component of that name.
 ///
@@ -23,6 +24,43 @@ pub fn find(all: &Running, name: &str) -> Result<Arc<Hosted>, RpcError> {
             components.iter().map(|hosted| hosted.name.as_str()),
         )),
     }
+}
+
+/// The component of that name, also while it is being stopped.
+///
+/// # Errors
+/// As of [`find`].
+pub fn find_until_closed(all: &Running, name: &str) -> Result<Arc<Hosted>, RpcError> {
+    all.being_stopped(name).map_or_else(|| find(all, name), Ok)
+}
+
+/// The activity of that number, also one that ended lately.
+///
+/// # Errors
+/// There is none.
+pub fn find_activity(hosted: &Hosted, number: &str) -> Result<Arc<Activity>, RpcError> {
+    number.parse().ok().and_then(|number| hosted.activities.get(number)).ok_or_else(|| {
+        let message = format!("{} has no activity `{number}`", hosted.name);
+        RpcError::new(StatusCode::NOT_FOUND, Code::NoSuchActivity, message).help(format!(
+            "it never was, or it ended long ago: `genomctl activities {}` lists them",
+            hosted.name
+        ))
+    })
+}
+
+/// The activities of the service of that name.
+///
+/// # Errors
+/// There is no such service.
+pub fn activities_of(hosted: &Hosted, service: &str) -> Result<Vec<Arc<Activity>>, RpcError> {
+    let services = &hosted.model().services;
+    if !services.iter().any(|found| found.name == service) {
+        let what = format!("{} has no activity or service", hosted.name);
+        let names = services.iter().map(|service| service.name.as_str());
+        return Err(RpcError::unknown(Code::NoSuchActivity, what, service, names));
+    }
+    let all = hosted.activities.all();
+    Ok(all.into_iter().filter(|activity| activity.service == service).collect())
 }
 
 /// The port of that name.

@@ -9,7 +9,8 @@ use genom_cells::Cells;
 use genom_doors::{Parameters, RpcError};
 use genom_protocol::{Aborted, AbortedActivity, Activities, AllAborted, Code, LookParameters};
 use genom_supervisor::Supervisor;
-use genom_supervisor::components::{Activity, Hosted};
+use genom_supervisor::components::Hosted;
+use genom_views::{activities_of, find_activity};
 
 use crate::rpc::components;
 
@@ -47,14 +48,10 @@ pub(crate) async fn look(
     Path((component, activity)): Path<(String, String)>,
     Parameters(parameters): Parameters<LookParameters>,
 ) -> Result<Json<genom_protocol::Activity>, RpcError> {
-    let all = &supervisor.components;
-    let hosted = match all.being_stopped(&component) {
-        Some(hosted) => hosted,
-        None => components::find(all, &component)?,
-    };
+    let hosted = genom_views::find_until_closed(&supervisor.components, &component)?;
     let activity = match activity.parse::<u64>() {
-        Ok(_) => find(&hosted, &activity)?,
-        Err(_) => of_service(&hosted, &activity)?.pop().ok_or_else(|| {
+        Ok(_) => find_activity(&hosted, &activity)?,
+        Err(_) => activities_of(&hosted, &activity)?.pop().ok_or_else(|| {
             let message = format!("no {component}/{activity} runs, nor did lately");
             RpcError::new(StatusCode::NOT_FOUND, Code::NoSuchActivity, message)
                 .help(format!("`genomctl info {component} {activity}` tells what it is"))
@@ -85,14 +82,14 @@ pub(crate) async fn abort(
     let hosted = components::find(&supervisor.components, &component)?;
     let chosen = match activity.parse::<u64>() {
         Ok(number) => {
-            let found = find(&hosted, &activity)?;
+            let found = find_activity(&hosted, &activity)?;
             if found.outcome().is_some() {
                 let message = format!("activity {number} of {component} has already ended");
                 return Err(RpcError::conflict(Code::Ended, message));
             }
             vec![found]
         }
-        Err(_) => of_service(&hosted, &activity)?,
+        Err(_) => activities_of(&hosted, &activity)?,
     };
     let aborted = chosen
         .iter()
@@ -144,25 +141,4 @@ fn aborted(hosted: &Hosted) -> Vec<AbortedActivity> {
     let component = || hosted.name.clone();
     told.map(|(activity, service)| AbortedActivity { component: component(), service, activity })
         .collect()
-}
-
-fn find(hosted: &Hosted, number: &str) -> Result<Arc<Activity>, RpcError> {
-    number.parse().ok().and_then(|number| hosted.activities.get(number)).ok_or_else(|| {
-        let message = format!("{} has no activity `{number}`", hosted.name);
-        RpcError::new(StatusCode::NOT_FOUND, Code::NoSuchActivity, message).help(format!(
-            "it never was, or it ended long ago: `genomctl activities {}` lists them",
-            hosted.name
-        ))
-    })
-}
-
-fn of_service(hosted: &Hosted, service: &str) -> Result<Vec<Arc<Activity>>, RpcError> {
-    let services = &hosted.model().services;
-    if !services.iter().any(|found| found.name == service) {
-        let what = format!("{} has no activity or service", hosted.name);
-        let names = services.iter().map(|service| service.name.as_str());
-        return Err(RpcError::unknown(Code::NoSuchActivity, what, service, names));
-    }
-    let all = hosted.activities.all();
-    Ok(all.into_iter().filter(|activity| activity.service == service).collect())
 }
