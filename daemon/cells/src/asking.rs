@@ -23,11 +23,11 @@ impl Cell {
         B::Data: Send,
         B::Error: Into<Box<dyn std::error::Error + Send + Sync>>,
     {
-        match self.answers().await {
-            Err(down) if down.state != CellState::Stopping || request.method() != Method::GET => {
+        if let Err(down) = self.answers().await {
+            let still_tells = down.state == CellState::Stopping && request.method() == Method::GET;
+            if !still_tells {
                 return Err(down);
             }
-            _ => {}
         }
         match self.client().send(request).await {
             Ok(response) => Ok(response),
