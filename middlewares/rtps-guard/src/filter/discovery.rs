@@ -17,6 +17,9 @@ const LIVELINESS: (Entity, Entity) = ([0, 2, 0, 0xc2], [0, 2, 0, 0xc7]);
 pub(crate) const PAIRS: [(Entity, Entity); 5] =
     [PARTICIPANTS, WRITERS, READERS, TOPICS, LIVELINESS];
 
+/// Ids of unicast locators for user data: of an end, and of all ends of a participant (9.6.4).
+pub(crate) const UNICAST: [u16; 2] = [0x002f, 0x0031];
+
 /// Ids of parameters (9.6.4).
 mod id {
     pub(super) const LEASE: u16 = 0x0002;

@@ -16,11 +16,13 @@ mod answer;
 mod discovery;
 mod flows;
 mod limits;
+mod locals;
 mod message;
 mod outgoing;
 mod peers;
 mod pieces;
 mod repairs;
+mod same_machine;
 mod tally;
 #[cfg(test)]
 mod tests;
@@ -40,6 +42,7 @@ use message::{Entity, Fields, HEADER, Head, Prefix, is_builtin, kind, put_number
 use peers::Peers;
 use pieces::{Piece, Pieces};
 use repairs::Repairs;
+use same_machine::SameMachine;
 
 /// The entity id that stands for no particular entity (9.3.1.5).
 const UNKNOWN: Entity = [0; 4];
@@ -52,6 +55,7 @@ pub(crate) struct Guard {
     flows: Flows,
     pieces: Pieces,
     repairs: Repairs,
+    same: SameMachine,
     /// The participant that leaves with the current datagram.
     leaving: Option<Prefix>,
     tally: Arc<Tally>,
@@ -76,9 +80,16 @@ impl Guard {
             flows: Flows::new(),
             pieces: Pieces::new(&limits),
             repairs: Repairs::default(),
+            same: SameMachine::default(),
             leaving: None,
             tally,
         }
+    }
+
+    /// Whether the datagram that was screened last comes from this machine, and RustDDS has to see it
+    /// come from the loopback address.
+    pub(crate) fn seems_elsewhere(&self) -> bool {
+        self.same.has_rewritten()
     }
 
     /// Modifies a datagram so that RustDDS may receive it. Returns false if nothing is left of it.
@@ -92,6 +103,7 @@ impl Guard {
         now: Duration,
         repair: Repair<'_>,
     ) -> bool {
+        self.same.begin();
         let passed = self.look(datagram, address, now, repair);
         if let Err(reason) = passed {
             self.tally.add(reason, address);
@@ -262,6 +274,7 @@ impl Guard {
             {
                 discovery::put_lease(payload, at, lease);
             }
+            self.same.rewrite(body.get_mut(start..).unwrap_or_default(), from.address);
             return Ok(());
         }
         if writer == WRITERS.0 || writer == READERS.0 {
@@ -269,6 +282,7 @@ impl Guard {
                 let announced = discovery::read(payload, &from.participant)?;
                 let end = announced.entity.ok_or(Reason::Malformed)?;
                 self.peers.open(&from.participant, end)?;
+                self.same.rewrite(body.get_mut(start..).unwrap_or_default(), from.address);
             } else if let Some(end) = gone(about, (has == KEY).then_some(payload), from)? {
                 self.peers.close(&from.participant, end);
             }

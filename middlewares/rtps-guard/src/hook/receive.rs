@@ -122,12 +122,17 @@ impl Gate {
             let datagram = unsafe { datagram(message, length) };
             // SAFETY: the system has filled in the address.
             let from = unsafe { address(&*message) };
+            let known = datagram.is_some() && matches!(from, Some(IpAddr::V4(_)));
             // `None` if it is split over several buffers, which RustDDS never asks for.
             let mut screen = |datagram: &mut [u8]| {
                 self.guard.screen(datagram, from, since_boot(), &mut super::send::repair)
             };
             if datagram.is_none_or(&mut screen) {
                 self.bytes += length;
+                if known && self.guard.seems_elsewhere() {
+                    // SAFETY: the system has filled in an IPv4 address, which is the caller's.
+                    unsafe { put_loopback(&*message) };
+                }
                 return received;
             }
             // Dropped: receive the next one with the same arguments.
@@ -178,6 +183,17 @@ unsafe fn address(message: &libc::msghdr) -> Option<IpAddr> {
             _ => None,
         }
     }
+}
+
+/// Makes the sender's address, which is an IPv4 one, that of the loopback interface.
+///
+/// # Safety
+/// The system filled in `message` with such an address, which nobody else accesses.
+unsafe fn put_loopback(message: &libc::msghdr) {
+    let name = message.msg_name.cast::<libc::sockaddr_in>();
+    let address = u32::from(Ipv4Addr::LOCALHOST).to_be();
+    // SAFETY: the caller guarantees that there is one.
+    unsafe { ptr::write_unaligned(&raw mut (*name).sin_addr.s_addr, address) };
 }
 
 /// The domain of a socket, from its port: RTPS 9.6.1.1, 250 ports per domain.

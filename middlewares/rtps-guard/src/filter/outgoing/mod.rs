@@ -2,11 +2,9 @@
 //! way that readers can take them.
 
 mod announced;
-mod copies;
 mod cut;
 mod joints;
 mod kept;
-mod locals;
 mod mend;
 mod pace;
 mod wire;
@@ -17,19 +15,17 @@ pub(crate) use kept::Lack;
 pub(crate) use mend::mended;
 pub(crate) use wire::{Target, Wire};
 
+use super::locals::Locals;
 use announced::Announced;
-use copies::Copies;
 use cut::Cut;
 use joints::Joints;
 use kept::Kept;
-use locals::Locals;
 use pace::Pace;
 
 #[derive(Debug, Default)]
 pub(crate) struct Outgoing {
     pub(crate) announced: Announced,
     locals: Locals,
-    copies: Copies,
     joints: Joints,
     pace: Pace,
     kept: Kept,
@@ -46,16 +42,13 @@ impl Outgoing {
         wire: &mut impl Wire,
     ) -> Option<bool> {
         let cut = Cut::read(message)?;
-        let Self { locals, copies, joints, pace, kept, .. } = self;
+        let Self { locals, joints, pace, kept, .. } = self;
         let (here, slow) = (locals.has(*to.address.ip()), pace.is_slow(|| wire.now()));
         if !slow && !kept.is_empty() {
             kept.clear();
         }
         if !here && (!slow || to.address.ip().is_multicast()) {
             return None;
-        }
-        if here && copies.has(to, &cut) {
-            return Some(true);
         }
         let mut send = |to: &Target, datagram: &[u8], cut: &Cut, end| {
             if !slow {

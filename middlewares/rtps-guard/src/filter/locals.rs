@@ -26,6 +26,9 @@ impl Locals {
 /// The system sends from the same address to one of its own, and from another one to all others. No
 /// datagram is sent.
 fn is_local(address: Ipv4Addr) -> bool {
+    if address.is_loopback() {
+        return true;
+    }
     if address.is_multicast() || address.is_broadcast() || address.is_unspecified() {
         return false;
     }
@@ -46,6 +49,7 @@ mod tests {
         let mut locals = Locals::default();
         for _ in 0..2 {
             assert!(locals.has(Ipv4Addr::LOCALHOST));
+            assert!(locals.has(Ipv4Addr::new(127, 0, 0, 2)));
             // RFC 5737: of nobody.
             assert!(!locals.has(Ipv4Addr::new(203, 0, 113, 7)));
             assert!(!locals.has(Ipv4Addr::new(239, 255, 0, 1)));
