@@ -3,6 +3,7 @@
 import contextlib
 import ctypes
 import faulthandler
+import mmap
 import os
 import select
 import signal
@@ -312,6 +313,32 @@ class Wrong(Case):
             self.assertEqual(d.step(0.5), 1.5)
             with open(d.log, encoding="utf-8") as log:
                 self.assertEqual(log.read().count("a request of the program is none"), 1)
+
+    def test_whatever_is_on_the_slate_is_answered_and_time_stays(self):
+        with genom.Daemon() as d:
+            d.load(DEMO)
+            end = d._door._socket
+            # From now on this is the one that the daemon looks at.
+            d._door._slate = None
+            end.send(struct.pack("=II", 1, 6))
+            reply, (file,), _, _ = socket.recv_fds(end, 64, 1)
+            self.assertEqual(reply, struct.pack("=II", 1, 0))
+            with open(file, "r+b") as opened, mmap.mmap(file, 192) as slate:
+                with self.assertRaises(OSError):
+                    opened.truncate(64)
+                most = 2**32 - 1
+                for number, verb, argument in [(5, 99, 1), (6, 1, 2**64 - 1), (7, 0, 0), (most, most, 5)]:
+                    slate[:16] = struct.pack("=IIQ", number, verb, argument)
+                    # Told once.
+                    for there in (True, False):
+                        end.send(struct.pack("=III", 8, 7, number))
+                        reply = end.recv(4096)
+                        self.assertEqual(struct.unpack_from("=II", reply), (8, 1))
+                        self.assertEqual(b"the last request on the slate is not" in reply, not there)
+                    self.assertEqual(struct.unpack_from("=II", slate, 64), (number, 1))
+                for _ in range(50):
+                    slate[:] = os.urandom(8) + b"\xff" * 184
+                self.assertEqual(d.step(0.5), 0.5)
 
     def test_a_socket_with_a_name_embeds_no_daemon(self):
         # Others could have connected to it.

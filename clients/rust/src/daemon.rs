@@ -113,10 +113,7 @@ impl Daemon {
     /// It has ended; or a value is refused, or the step is longer than an hour: time stays.
     pub fn step(&mut self, time: Duration) -> Result<Duration, AskError> {
         let nanoseconds = u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
-        let now = match lock(&self.door).ask(Verb::Step, &nanoseconds.to_ne_bytes()) {
-            Ok(reply) => reply.u64(0).ok_or(NoReply::Closed),
-            Err(no) => Err(no),
-        };
+        let now = lock(&self.door).step(nanoseconds);
         now.map(Duration::from_nanos).map_err(|no| self.failed(no))
     }
 

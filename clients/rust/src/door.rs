@@ -6,7 +6,7 @@ use std::io;
 use std::os::fd::OwnedFd;
 use std::sync::Arc;
 
-use genom_lockstep::End;
+use genom_lockstep::{self as lockstep, Caller, DONE, Lost};
 use genom_protocol::{Reason, Refusal};
 use rustix::net::{AddressFamily, Shutdown, SocketFlags, SocketType, shutdown, socketpair};
 
@@ -19,18 +19,10 @@ pub(crate) enum Verb {
     Close = 3,
 }
 
-/// No reply is longer.
-const ROOM: usize = 65536;
-
-/// Number and status of a reply.
-const HEAD: usize = 8;
-
 /// The program's end.
 #[derive(Debug)]
 pub(crate) struct Door {
-    end: End,
-    number: u32,
-    room: Vec<u8>,
+    caller: Caller,
 }
 
 /// Why there is no reply.
@@ -65,33 +57,34 @@ impl Door {
     pub(crate) fn new() -> io::Result<(Self, OwnedFd)> {
         let flags = SocketFlags::CLOEXEC;
         let (ours, theirs) = socketpair(AddressFamily::UNIX, SocketType::SEQPACKET, flags, None)?;
-        let end = End::new(Arc::new(ours));
-        Ok((Self { end, number: 0, room: vec![0; ROOM] }, theirs))
+        Ok((Self { caller: Caller::new(Arc::new(ours)) }, theirs))
     }
 
     /// Asks, and waits for the reply.
     pub(crate) fn ask(&mut self, verb: Verb, body: &[u8]) -> Result<Reply<'_>, NoReply> {
-        self.number = self.number.wrapping_add(1);
-        let head = [self.number.to_ne_bytes(), (verb as u32).to_ne_bytes()];
-        self.end.send([head.as_flattened(), body], None).map_err(|_| NoReply::Closed)?;
-        let (count, file) = self.end.receive(&mut self.room).map_err(|_| NoReply::Closed)?;
-        let reply = Reply { body: &self.room[..count], file };
-        match (reply.u32(0), reply.u32(4)) {
-            (Some(number), Some(0)) if number == self.number => {
-                Ok(Reply { body: &reply.body[HEAD..], file: reply.file })
-            }
-            (Some(number), Some(_)) if number == self.number => {
-                Err(NoReply::Refused(reason(&reply.body[HEAD..])))
-            }
-            // Closed, or by something that is no genomd.
-            _ => Err(NoReply::Closed),
-        }
+        done(self.caller.ask(verb as u32, body, None))
+    }
+
+    /// Advances the clock; returns its time.
+    pub(crate) fn step(&mut self, nanoseconds: u64) -> Result<u64, NoReply> {
+        let reply = done(self.caller.ask_short(Verb::Step as u32, Some(nanoseconds)))?;
+        reply.u64(0).ok_or(NoReply::Closed)
     }
 
     /// Ends the conversation: the daemon stops.
     pub(crate) fn close(&self) {
         // It may be closed already.
-        let _ = shutdown(&**self.end.socket(), Shutdown::Both);
+        let _ = shutdown(&**self.caller.socket(), Shutdown::Both);
+    }
+}
+
+/// What was done.
+fn done(replied: Result<lockstep::Reply<'_>, Lost>) -> Result<Reply<'_>, NoReply> {
+    match replied {
+        Ok(reply) if reply.status == DONE => Ok(Reply { body: reply.body, file: reply.file }),
+        Ok(reply) => Err(NoReply::Refused(reason(reply.body))),
+        // Closed, or by something that is no genomd.
+        Err(Lost) => Err(NoReply::Closed),
     }
 }
 

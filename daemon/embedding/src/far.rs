@@ -6,25 +6,20 @@ use std::sync::Arc;
 
 use axum::http::StatusCode;
 use genom_doors::RpcError;
-use genom_lockstep::End;
+use genom_lockstep::{Caller, DONE, Lost, Reply};
 use genom_protocol::{Address, Refusal};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use crate::memory::Memory;
 use crate::port::{LARGEST, no_memory};
-use crate::wire::{DONE, Opened, Taken, Verb, word};
-
-/// No reply is longer.
-const ROOM: usize = 65536;
+use crate::wire::{Opened, Taken, Verb, word};
 
 /// One process of a cell.
 #[derive(Debug)]
 pub(crate) struct Far {
     /// Of the cell.
     pub(crate) name: String,
-    end: End,
-    number: u32,
-    room: Vec<u8>,
+    caller: Caller,
     /// How many of its ports were not there after the last step.
     pub(crate) gone: u32,
 }
@@ -48,37 +43,30 @@ pub(crate) struct Found {
     pub(crate) digest: String,
 }
 
-struct Reply<'a> {
-    body: &'a [u8],
-    file: Option<OwnedFd>,
-}
-
 impl Far {
     pub(crate) fn new(name: &str, socket: Arc<OwnedFd>) -> Self {
-        let end = End::new(socket);
-        Self { name: name.to_owned(), end, number: 0, room: vec![0; ROOM], gone: 0 }
+        Self { name: name.to_owned(), caller: Caller::new(socket), gone: 0 }
     }
 
     /// Whether it is this process.
     pub(crate) fn is(&self, socket: &Arc<OwnedFd>) -> bool {
-        Arc::ptr_eq(self.end.socket(), socket)
+        Arc::ptr_eq(self.caller.socket(), socket)
     }
 
     pub(crate) fn socket(&self) -> &Arc<OwnedFd> {
-        self.end.socket()
+        self.caller.socket()
     }
 
     /// Advances its clock.
     pub(crate) fn step(&mut self, nanoseconds: u64) -> Result<(), Undone> {
-        let reply = self.ask(Verb::Step, &nanoseconds.to_ne_bytes(), None)?;
-        let gone = reply.body.get(8..).and_then(word).ok_or(Undone::Lost)?.0;
-        self.gone = gone;
+        let reply = done(self.caller.ask_short(Verb::Step as u32, Some(nanoseconds)))?;
+        self.gone = reply.body.get(8..).and_then(word).ok_or(Undone::Lost)?.0;
         Ok(())
     }
 
     /// Has it publish what was written to its in ports.
     pub(crate) fn publish(&mut self) -> Result<(), Undone> {
-        self.ask(Verb::Publish, &[], None).map(drop)
+        done(self.caller.ask_short(Verb::Publish as u32, None)).map(drop)
     }
 
     /// Opens a port; its memory is new.
@@ -112,16 +100,16 @@ impl Far {
         body: &[u8],
         file: Option<BorrowedFd<'_>>,
     ) -> Result<Reply<'_>, Undone> {
-        self.number = self.number.wrapping_add(1);
-        let head = [self.number.to_ne_bytes(), (verb as u32).to_ne_bytes()];
-        self.end.send([head.as_flattened(), body], file).map_err(|_| Undone::Lost)?;
-        let (count, file) = self.end.receive(&mut self.room).map_err(|_| Undone::Lost)?;
-        let reply = word(&self.room[..count]).filter(|(number, _)| *number == self.number);
-        match reply.and_then(|(_, rest)| word(rest)) {
-            Some((DONE, body)) => Ok(Reply { body, file }),
-            Some((_, why)) => Err(Undone::Refused(refused(why))),
-            None => Err(Undone::Lost),
-        }
+        done(self.caller.ask(verb as u32, body, file))
+    }
+}
+
+/// What was done.
+fn done(replied: Result<Reply<'_>, Lost>) -> Result<Reply<'_>, Undone> {
+    match replied {
+        Ok(reply) if reply.status == DONE => Ok(reply),
+        Ok(reply) => Err(Undone::Refused(refused(reply.body))),
+        Err(Lost) => Err(Undone::Lost),
     }
 }
 
@@ -152,6 +140,7 @@ fn refused(why: &[u8]) -> RpcError {
 mod tests {
     use std::thread;
 
+    use genom_lockstep::End;
     use rustix::fs::{MemfdFlags, ftruncate, memfd_create};
     use rustix::net::{AddressFamily, SocketFlags, SocketType, socketpair};
 

@@ -11,10 +11,8 @@ use std::io::{self, IoSlice, IoSliceMut};
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::os::unix::fs::FileExt as _;
 
-use rustix::fs::{
-    MemfdFlags, SealFlags, fcntl_add_seals, fcntl_get_seals, ftruncate, memfd_create,
-};
-use rustix::io::{Errno, preadv, pwritev};
+use genom_lockstep::{checked, sealed};
+use rustix::io::{preadv, pwritev};
 
 /// Where the value is. A multiple of every alignment.
 pub(crate) const VALUE_AT: u64 = 64;
@@ -37,27 +35,13 @@ pub(crate) struct Memory {
 impl Memory {
     /// Memory for a value of so many bytes, all zero.
     pub(crate) fn new(size: usize) -> io::Result<Self> {
-        let flags = MemfdFlags::CLOEXEC | MemfdFlags::ALLOW_SEALING;
-        // Nothing in it is to be executed; kernels before 6.3 cannot be told so.
-        let file = match memfd_create(NAME, flags | MemfdFlags::NOEXEC_SEAL) {
-            Err(Errno::INVAL) => memfd_create(NAME, flags)?,
-            made => made?,
-        };
-        ftruncate(&file, VALUE_AT + size as u64)?;
-        fcntl_add_seals(&file, sealed())?;
-        Ok(Self { file: File::from(file) })
+        Ok(Self { file: sealed(NAME, VALUE_AT + size as u64)? })
     }
 
     /// Memory that another process made for a value of so many bytes. It may be mapped only if nobody
     /// can change its size, which would end whoever looks there then.
     pub(crate) fn of(file: OwnedFd, size: usize) -> io::Result<Self> {
-        let file = File::from(file);
-        let is = file.metadata()?.len();
-        if is != VALUE_AT + size as u64 || !fcntl_get_seals(&file)?.contains(sealed()) {
-            let message = format!("it is no memory for {size} bytes of a size that stays");
-            return Err(io::Error::new(io::ErrorKind::InvalidData, message));
-        }
-        Ok(Self { file })
+        Ok(Self { file: checked(file, VALUE_AT + size as u64)? })
     }
 
     /// How often the value was written.
@@ -115,11 +99,6 @@ impl Memory {
     }
 }
 
-/// Its size stays.
-fn sealed() -> SealFlags {
-    SealFlags::SHRINK | SealFlags::GROW | SealFlags::SEAL
-}
-
 impl AsFd for Memory {
     fn as_fd(&self) -> BorrowedFd<'_> {
         self.file.as_fd()
@@ -148,24 +127,7 @@ mod tests {
         assert!(theirs.set_len(1).is_err() && theirs.set_len(4096).is_err());
         assert!(!memory.is_gone().unwrap());
         memory.set_gone(true).unwrap();
+        assert!(Memory::of(theirs.try_clone().unwrap().into(), 5).is_err());
         assert!(Memory::of(theirs.into(), 4).unwrap().is_gone().unwrap());
-    }
-
-    #[test]
-    fn a_file_whose_size_can_change_is_no_memory_of_a_port() {
-        let whole = VALUE_AT + 4;
-        let taken = |file: OwnedFd| Memory::of(file, 4).map_err(|error| error.kind());
-        for seals in [SealFlags::empty(), SealFlags::SHRINK, SealFlags::SHRINK | SealFlags::GROW] {
-            let file = memfd_create(NAME, MemfdFlags::ALLOW_SEALING).unwrap();
-            ftruncate(&file, whole).unwrap();
-            fcntl_add_seals(&file, seals).unwrap();
-            assert_eq!(taken(file).err(), Some(io::ErrorKind::InvalidData), "{seals:?}");
-        }
-        let of_another = Memory::new(5).unwrap();
-        assert!(taken(of_another.file.into()).is_err());
-        let on_disk = tempfile::tempfile().unwrap();
-        on_disk.set_len(whole).unwrap();
-        assert!(taken(on_disk.into()).is_err());
-        assert!(taken(std::io::pipe().unwrap().0.into()).is_err());
     }
 }

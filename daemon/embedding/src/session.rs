@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use genom_cells::Cells;
 use genom_doors::RpcError;
-use genom_lockstep::End;
+use genom_lockstep::{Answer, Asked, DONE, End, Heard, Slate};
 use genom_protocol::{Code, StepRequest};
 use genom_supervisor::Supervisor;
 use tokio::runtime::Handle;
@@ -16,7 +16,11 @@ use tokio::runtime::Handle;
 use crate::open::Open;
 use crate::places::Places;
 use crate::who::Who;
-use crate::wire::{self, LONGEST, Request, Taken};
+use crate::wire::{self, LONGEST, REFUSED, Request, Taken, Verb};
+
+/// What may be asked on a slate.
+const STEP: u32 = Verb::Step as u32;
+const PUBLISH: u32 = Verb::Publish as u32;
 
 /// How many ports may be open.
 const MOST: usize = 1024;
@@ -31,7 +35,14 @@ pub(crate) struct Session {
     next: u32,
     /// Whether it was told that a request was none.
     told: bool,
+    /// Where short requests come, if the other end has asked for it.
+    slate: Option<Slate>,
+    /// The last of them, and what it returned, unless it was told since.
+    last: Option<(u32, Result<Returned, RpcError>)>,
 }
+
+/// What a step returns: the time, and how many ports are not there.
+type Returned = (u64, u32);
 
 impl Session {
     pub(crate) fn new(
@@ -47,6 +58,8 @@ impl Session {
             ports: BTreeMap::new(),
             next: 0,
             told: false,
+            slate: None,
+            last: None,
         }
     }
 
@@ -55,12 +68,21 @@ impl Session {
         // One byte more than a request has, to notice one that is longer.
         let mut message = [0; LONGEST + 1];
         loop {
-            let (count, file) = match self.end.receive(&mut message) {
-                Ok((count, file)) if count > 0 => (count, file),
-                _ => break,
+            let heard = match &self.slate {
+                Some(slate) => self.end.hear(&mut message, slate),
+                None => {
+                    let received = self.end.receive(&mut message);
+                    received.map(|(count, file)| Heard::Message(count, file))
+                }
             };
-            if self.answer(&message[..count], file).is_err() {
-                break;
+            match heard {
+                Ok(Heard::Asked(asked)) => self.short(asked),
+                Ok(Heard::Message(count, file)) if count > 0 => {
+                    if self.answer(&message[..count], file).is_err() {
+                        break;
+                    }
+                }
+                _ => break,
             }
         }
         if self.who == Who::Program {
@@ -70,15 +92,19 @@ impl Session {
     }
 
     fn answer(&mut self, message: &[u8], file: Option<OwnedFd>) -> io::Result<()> {
+        // What is on the slate was asked before: this end slept then.
+        if let Some(asked) = self.slate.as_ref().and_then(Slate::asked) {
+            self.short(asked);
+        }
         let (number, asked) = wire::parse(message);
         let done = match asked {
             Ok(Request::Hello) => {
                 let now = self.places.supervisor.clock.now().to_ne_bytes();
                 Ok(wire::done(number, &[&now, env!("CARGO_PKG_VERSION").as_bytes()]))
             }
-            Ok(Request::Step(nanoseconds)) => self
-                .step(nanoseconds)
-                .map(|(now, gone)| wire::done(number, &[&now.to_ne_bytes(), &gone.to_ne_bytes()])),
+            Ok(Request::Step(nanoseconds)) => {
+                self.step(nanoseconds).map(|returned| stepped(number, returned))
+            }
             Ok(Request::Open(address)) => match self.open(address) {
                 Ok(port) => return self.share(number, port),
                 Err(error) => Err(error),
@@ -94,21 +120,59 @@ impl Session {
                 }
             },
             Ok(Request::Publish) => self.publish().map(|()| wire::done(number, &[])),
-            Err(why) => {
-                if !self.told {
-                    self.told = true;
-                    let who = self.who;
-                    tracing::warn!("a request of the {who} is none: {why}; others are not told");
+            Ok(Request::Slate) => match Slate::new() {
+                Ok((slate, file)) => {
+                    self.slate = Some(slate);
+                    let reply = wire::done(number, &[]);
+                    return Ok(self.end.send([&reply, &[]], Some(file.as_fd()))?);
                 }
-                Err(RpcError::conflict(Code::Malformed, format!("the request is none: {why}")))
-            }
+                Err(error) => Err(RpcError::internal(format!("no memory is shared: {error}"))),
+            },
+            Ok(Request::Tell(asked)) => self.tell(asked).map(|returned| stepped(number, returned)),
+            Err(why) => Err(self.none(why)),
         };
         let reply = done.unwrap_or_else(|error| refused(number, error));
         self.send(&reply)
     }
 
-    /// Steps all; returns the time, and how many ports are not there.
-    fn step(&mut self, nanoseconds: u64) -> Result<(u64, u32), RpcError> {
+    /// Does what is asked on the slate.
+    fn short(&mut self, asked: Asked) {
+        let returned = match asked.verb {
+            STEP => self.step(asked.argument),
+            PUBLISH => self.publish().map(|()| (0, 0)),
+            _ => Err(self.none("only steps and publish are asked on a slate")),
+        };
+        let status = if returned.is_ok() { DONE } else { REFUSED };
+        let (first, second) = *returned.as_ref().unwrap_or(&(0, 0));
+        if let Some(slate) = &self.slate {
+            slate.answer(asked.number, Answer { status, first, second });
+        }
+        self.last = Some((asked.number, returned));
+    }
+
+    /// A request is none.
+    fn none(&mut self, why: &str) -> RpcError {
+        if !self.told {
+            self.told = true;
+            let who = self.who;
+            tracing::warn!("a request of the {who} is none: {why}; others are not told");
+        }
+        RpcError::conflict(Code::Malformed, format!("the request is none: {why}"))
+    }
+
+    /// What the request of this number on the slate returns.
+    fn tell(&mut self, number: u32) -> Result<Returned, RpcError> {
+        match self.last.take() {
+            Some((last, returned)) if last == number => returned,
+            _ => {
+                let message = format!("the last request on the slate is not {number}, or was told");
+                Err(RpcError::conflict(Code::Malformed, message))
+            }
+        }
+    }
+
+    /// Steps all.
+    fn step(&mut self, nanoseconds: u64) -> Result<Returned, RpcError> {
         let supervisor = &self.places.supervisor;
         let clock = genom_views::stepped(supervisor)?;
         if nanoseconds > StepRequest::LONGEST {
@@ -191,6 +255,10 @@ impl Session {
     fn send(&self, reply: &[u8]) -> io::Result<()> {
         Ok(self.end.send([reply, &[]], None)?)
     }
+}
+
+fn stepped(number: u32, (now, gone): Returned) -> Vec<u8> {
+    wire::done(number, &[&now.to_ne_bytes(), &gone.to_ne_bytes()])
 }
 
 fn refused(number: u32, error: RpcError) -> Vec<u8> {

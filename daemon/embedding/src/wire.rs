@@ -13,16 +13,23 @@
 //! | 3, close | `u32` number of a port | |
 //! | 4, publish | | |
 //! | 5, take | `u64` count of the value that was published last, `u32` 1 for an in port, digest of its type, a space, address of a port; with it, the memory that it had in another process | as open, without memory |
+//! | 6, slate | | with it, the file of a [`Slate`](genom_lockstep::Slate) |
+//! | 7, tell | `u32` number of a request on the slate | as a step; 0 for what returns nothing |
+//!
+//! Steps and `publish` may be asked on the slate as well, one at a time; a step has its `ns` as argument
+//! and its results there, `publish` has none. What is on the slate is done before the next message is
+//! answered, so that `tell`, too, returns what was refused, or not done yet.
 //!
 //! A step publishes first; a daemon has its cells publish before it steps any of them, so that time
 //! stays everywhere if a value is refused.
 
+use genom_lockstep::{DONE, SLATE, TELL};
+
 /// The longest request, in bytes.
 pub(crate) const LONGEST: usize = 4096;
 
-/// Statuses of replies.
-pub(crate) const DONE: u32 = 0;
-const REFUSED: u32 = 1;
+/// The other status of replies.
+pub(crate) const REFUSED: u32 = 1;
 
 /// Verbs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +57,10 @@ pub(crate) enum Request<'a> {
     Publish,
     /// Go on with the memory of a port.
     Take(Taken<'a>),
+    /// Share memory for requests.
+    Slate,
+    /// Tell what the request of this number on the slate returns.
+    Tell(u32),
 }
 
 /// A port that had its memory in another process.
@@ -122,6 +133,11 @@ pub(crate) fn parse(message: &[u8]) -> (u32, Result<Request<'_>, &'static str>) 
         },
         (4, []) => Ok(Request::Publish),
         (5, rest) => take(rest).map(Request::Take).ok_or("a port to take is described otherwise"),
+        (SLATE, []) => Ok(Request::Slate),
+        (TELL, rest) => match word(rest) {
+            Some((request, [])) => Ok(Request::Tell(request)),
+            _ => Err("the number of a request has 4 bytes"),
+        },
         _ => Err("there is no such verb, or it takes nothing"),
     };
     (number, asked)
@@ -172,6 +188,8 @@ mod tests {
         let close = message(&[&n, &verb(3), &verb(2)]);
         assert_eq!(parse(&close), (7, Ok(Request::Close(2))));
         assert_eq!(parse(&message(&[&n, &verb(4)])), (7, Ok(Request::Publish)));
+        assert_eq!(parse(&message(&[&n, &verb(6)])), (7, Ok(Request::Slate)));
+        assert_eq!(parse(&message(&[&n, &verb(7), &verb(5)])), (7, Ok(Request::Tell(5))));
         let taken = Taken { published: 9, is_in: true, digest: "ab", address: "demo/gain" };
         let take = message(&[&n, &verb(5), &taken.bytes()]);
         assert_eq!(parse(&take), (7, Ok(Request::Take(taken))));
@@ -195,6 +213,8 @@ mod tests {
             &message(&[&verb(2), &[b'x'; LONGEST]]),
             &message(&[&verb(4), b"x"]),
             &message(&[&verb(5), &[0; 12]]),
+            &message(&[&verb(6), b"x"]),
+            &message(&[&verb(7), b"123"]),
             &message(&[&verb(5), &[0; 11], b" demo/gain"]),
             &message(&[&verb(5), &[0; 12], b"\xff demo/gain"]),
         ] {

@@ -13,8 +13,33 @@ use rustix::net::{
     SendAncillaryMessage, SendFlags, recvmsg, sendmsg,
 };
 
+use crate::slate::{Answer, Asked, Slate};
+
 /// How long an end looks for a message before it sleeps: several times what it takes to wake it.
 pub const AWAKE: Duration = Duration::from_micros(50);
+
+/// How often a slate is looked at before others may have the processor: for about 1 us.
+const GLANCES: u32 = 16;
+
+/// What an end hears.
+#[derive(Debug)]
+pub enum Heard {
+    /// A message of so many bytes, 0 if the other end is closed, and the file that came with it.
+    Message(usize, Option<OwnedFd>),
+    /// What was asked on the slate.
+    Asked(Asked),
+}
+
+/// What became of a request on a slate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Replied {
+    /// It was answered.
+    Answer(Answer),
+    /// It is there, and was not answered for [`AWAKE`]: the other end has to be sent a message.
+    Late,
+    /// It was not asked, since the other end sleeps, or one of the two should.
+    Unasked,
+}
 
 /// One end of a pair.
 #[derive(Debug)]
@@ -22,9 +47,11 @@ pub struct End {
     socket: Arc<OwnedFd>,
     /// How long a message is looked for, at most: not at all on one processor, which the other end
     /// needs meanwhile.
-    awake: Duration,
+    pub(crate) awake: Duration,
     /// Whether the next message is looked for before this thread sleeps.
-    looks: bool,
+    pub(crate) looks: bool,
+    /// Since when an answer is waited for that did not come on the slate.
+    late: Option<Instant>,
 }
 
 impl End {
@@ -32,7 +59,7 @@ impl End {
     #[must_use]
     pub fn new(socket: Arc<OwnedFd>) -> Self {
         let many = thread::available_parallelism().is_ok_and(|count| count.get() > 1);
-        Self { socket, awake: if many { AWAKE } else { Duration::ZERO }, looks: false }
+        Self { socket, awake: if many { AWAKE } else { Duration::ZERO }, looks: false, late: None }
     }
 
     /// Its socket.
@@ -67,17 +94,76 @@ impl End {
     /// # Errors
     /// The connection was reset.
     pub fn receive(&mut self, room: &mut [u8]) -> Result<(usize, Option<OwnedFd>), Errno> {
-        let begin = Instant::now();
+        let begin = self.late.take().unwrap_or_else(Instant::now);
         while self.looks && begin.elapsed() < self.awake {
             match message(&self.socket, room, RecvFlags::DONTWAIT) {
                 Err(Errno::AGAIN) => thread::yield_now(),
                 received => return received,
             }
         }
+        self.sleep(room, begin)
+    }
+
+    /// Waits for a message, or for a request on the slate, which is heard only while this end is awake.
+    ///
+    /// # Errors
+    /// The connection was reset.
+    pub fn hear(&mut self, room: &mut [u8], slate: &Slate) -> Result<Heard, Errno> {
+        let begin = Instant::now();
+        slate.look(self.looks);
+        while self.looks && begin.elapsed() < self.awake {
+            if let Some(asked) = glance(|| slate.asked()) {
+                return Ok(Heard::Asked(asked));
+            }
+            match message(&self.socket, room, RecvFlags::DONTWAIT) {
+                Err(Errno::AGAIN) => thread::yield_now(),
+                received => return received.map(|(count, file)| Heard::Message(count, file)),
+            }
+        }
+        slate.look(false);
+        self.sleep(room, begin).map(|(count, file)| Heard::Message(count, file))
+    }
+
+    /// Asks on a slate, and looks for the answer. After [`Replied::Late`] a message is to be sent that
+    /// asks for it, and its answer is to be received.
+    pub(crate) fn ask(&mut self, slate: &Slate, asked: Asked) -> Replied {
+        if !self.looks || !slate.is_looked_at() {
+            return Replied::Unasked;
+        }
+        let begin = Instant::now();
+        slate.ask(asked);
+        while begin.elapsed() < self.awake {
+            if let Some(answer) = glance(|| slate.answer_to(asked.number)) {
+                return Replied::Answer(answer);
+            }
+            thread::yield_now();
+        }
+        self.late = Some(begin);
+        Replied::Late
+    }
+
+    /// Sleeps until a message comes. Whether the next one is looked for depends on how long it took
+    /// since this moment.
+    fn sleep(
+        &mut self,
+        room: &mut [u8],
+        begin: Instant,
+    ) -> Result<(usize, Option<OwnedFd>), Errno> {
         let received = message(&self.socket, room, RecvFlags::empty());
         self.looks = begin.elapsed() < self.awake;
         received
     }
+}
+
+/// Looks a few times.
+fn glance<T>(mut look: impl FnMut() -> Option<T>) -> Option<T> {
+    (0..GLANCES).find_map(|_| {
+        let seen = look();
+        if seen.is_none() {
+            std::hint::spin_loop();
+        }
+        seen
+    })
 }
 
 fn message(
@@ -157,5 +243,67 @@ mod tests {
         assert!(looks_on(Duration::MAX, false) && looks_on(Duration::MAX, true));
         // Nothing comes so soon.
         assert!(!looks_on(Duration::ZERO, false) && !looks_on(Duration::ZERO, true));
+    }
+
+    const STEP: Asked = Asked { number: 3, verb: 1, argument: 1_000_000 };
+
+    #[test]
+    fn an_end_that_is_awake_hears_what_is_asked_on_the_slate() {
+        let ((_ours, mut theirs), (slate, file)) = (pair(), Slate::new().unwrap());
+        (theirs.looks, theirs.awake) = (true, Duration::MAX);
+        let their_slate = Slate::of(file.into()).unwrap();
+        let hearing = thread::spawn(move || {
+            let heard = theirs.hear(&mut [0; 8], &their_slate).unwrap();
+            assert!(matches!(heard, Heard::Asked(STEP)), "{heard:?}");
+        });
+        while !slate.is_looked_at() {
+            thread::yield_now();
+        }
+        slate.ask(STEP);
+        hearing.join().unwrap();
+    }
+
+    #[test]
+    fn an_end_that_sleeps_says_so_and_is_woken_by_a_message() {
+        let ((ours, mut theirs), (slate, _)) = (pair(), Slate::new().unwrap());
+        slate.look(true);
+        slate.ask(STEP);
+        ours.send([b"tell", b""], None).unwrap();
+        for looks in [false, true] {
+            (theirs.looks, theirs.awake) = (looks, Duration::ZERO);
+            if looks {
+                ours.send([b"tell", b""], None).unwrap();
+            }
+            let heard = theirs.hear(&mut [0; 8], &slate).unwrap();
+            assert!(matches!(heard, Heard::Message(4, None)), "{heard:?}");
+            assert!(!slate.is_looked_at());
+        }
+        // What was asked is there still.
+        assert_eq!(slate.asked(), Some(STEP));
+    }
+
+    #[test]
+    fn nothing_is_asked_on_the_slate_of_an_end_that_sleeps() {
+        let ((mut ours, _theirs), (slate, _)) = (pair(), Slate::new().unwrap());
+        ours.awake = Duration::from_nanos(1);
+        for (looks, looked_at) in [(false, false), (false, true), (true, false)] {
+            ours.looks = looks;
+            slate.look(looked_at);
+            assert_eq!((ours.ask(&slate, STEP), slate.asked()), (Replied::Unasked, None));
+        }
+        (ours.looks, ours.awake) = (true, Duration::from_nanos(1));
+        slate.look(true);
+        assert_eq!((ours.ask(&slate, STEP), slate.asked()), (Replied::Late, Some(STEP)));
+    }
+
+    #[test]
+    fn after_an_answer_that_was_late_the_next_one_is_slept_for() {
+        let ((mut ours, theirs), (slate, _)) = (pair(), Slate::new().unwrap());
+        (ours.looks, ours.awake) = (true, Duration::from_nanos(1));
+        slate.look(true);
+        assert_eq!(ours.ask(&slate, STEP), Replied::Late);
+        theirs.send([b"told", b""], None).unwrap();
+        assert_eq!(ours.receive(&mut [0; 8]).unwrap().0, 4);
+        assert!(!ours.looks && ours.late.is_none());
     }
 }

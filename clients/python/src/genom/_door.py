@@ -5,19 +5,23 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import socket
 import struct
 import threading
 from time import perf_counter
-from typing import Callable, List, NoReturn, Tuple
+from typing import Callable, List, NoReturn, Optional, Tuple
 
-from .errors import GenoMError, refusal
+from ._slate import Slate
+from .errors import GenoMError, RefusalError, refusal
 
 _HELLO, _STEP, _OPEN, _CLOSE = range(4)
+_SLATE, _TELL = 6, 7
 _HEAD = struct.Struct("=II")
 _STEPPED = struct.Struct("=IIQ")
+_TELLING = struct.Struct("=III")
 _OPENED = struct.Struct("=IIQ")
 _TIME = struct.Struct("=Q")
 # No reply is longer.
@@ -37,32 +41,68 @@ class Door:
         self._number = 0
         self._room = bytearray(_ROOM)
         self._looks = False
+        self._slate: Optional[Slate] = None
+        # The step on the slate that was not heard of yet.
+        self._pending: Optional[int] = None
 
     def hello(self) -> str:
         """Waits until the daemon is ready; returns its version."""
-        return self._ask(_HELLO, b"")[_TIME.size :].decode()
+        version = self._ask(_HELLO, b"")[_TIME.size :].decode()
+        if _AWAKE and Slate.serves():
+            with self._lock, contextlib.suppress(RefusalError):
+                _, files = self._exchange(_SLATE, b"")
+                self._slate = Slate(files[0]) if files else None
+        return version
 
     def step(self, nanoseconds: int) -> int:
         """Advances the clock; returns its time in nanoseconds."""
         with self._lock:
-            number = self._number = (self._number + 1) & 0xFFFFFFFF
-            room = self._room
-            try:
-                self._socket.send(_STEPPED.pack(number, _STEP, nanoseconds))
+            slate = self._slate
+            if slate is None or not self._looks or not slate.is_looked_at():
+                return self._told(_STEPPED.pack(self._next(), _STEP, nanoseconds))
+            if self._pending is not None:
+                # It was interrupted, such as by Ctrl-C. What it returned nobody wants to know.
+                with contextlib.suppress(RefusalError):
+                    self._tell(self._pending)
+            begin = perf_counter()
+            number = self._pending = self._next()
+            now = slate.step(number, nanoseconds, begin + _AWAKE)
+            if now is None:
+                now = self._tell(number)
+                # What takes this long is better slept for, also the next time.
+                self._looks = perf_counter() - begin < _AWAKE
+            self._pending = None
+            return now
+
+    def _next(self) -> int:
+        number = self._number = (self._number + 1) & 0xFFFFFFFF
+        return number
+
+    def _tell(self, number: int) -> int:
+        """What a step on the slate returns."""
+        return self._told(_TELLING.pack(self._next(), _TELL, number))
+
+    def _told(self, request: bytes) -> int:
+        """Asks by message for what a step returns."""
+        number, room = self._number, self._room
+        try:
+            self._socket.send(request)
+            # The daemon does what is on the slate before it answers a message.
+            self._pending = None
+            size = self._receive()
+            while size and _HEAD.unpack_from(room)[0] != number:
+                # Of a request that was interrupted.
                 size = self._receive()
-                while size and _HEAD.unpack_from(room)[0] != number:
-                    # Of a request that was interrupted, such as by Ctrl-C.
-                    size = self._receive()
-            except OSError:
-                size = 0
-            if size >= _STEPPED.size:
-                _, status, now = _STEPPED.unpack_from(room)
-                if status == 0:
-                    return int(now)
-            reply = bytes(room[:size])
+        except OSError:
+            size = 0
+        if size >= _STEPPED.size:
+            _, status, now = _STEPPED.unpack_from(room)
+            if status == 0:
+                return int(now)
+        reply = bytes(room[:size])
         if not reply:
             self._lost()
-        raise refusal(json.loads(reply[_HEAD.size :]), 409)
+        self._refused(reply[_HEAD.size :])
 
     def _receive(self) -> int:
         """Waits for the reply to a step. It is looked for before this thread sleeps, where the last
@@ -102,7 +142,7 @@ class Door:
             return self._exchange(verb, body)[0]
 
     def _exchange(self, verb: int, body: bytes) -> Tuple[bytes, List[int]]:
-        number = self._number = (self._number + 1) & 0xFFFFFFFF
+        number = self._next()
         try:
             self._socket.send(_HEAD.pack(number, verb) + body)
             while True:

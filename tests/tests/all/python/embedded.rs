@@ -36,6 +36,12 @@ fn a_program_steps_its_daemon_with_the_standard_library_alone() {
     the_client_passes("tests.test_embedded", &plain(), &["-S"]);
 }
 
+/// How a step goes without a message, with a daemon that is part of the test.
+#[test]
+fn a_program_steps_its_daemon_in_memory_that_both_have() {
+    the_client_passes("tests.test_slate", &plain(), &["-S"]);
+}
+
 #[test]
 fn a_program_shares_ports_of_components_in_cells() {
     the_client_passes("tests.test_embedded_cells", &plain(), &["-S"]);

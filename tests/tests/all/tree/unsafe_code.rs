@@ -25,7 +25,8 @@ const UNSAFE: &[&str] = &[
     // What runners call, and what that for Lua does with it, in one module each.
     "genom-runner",
     "genom-lua",
-    // Memory that a daemon and its program have, in one module; and what C calls.
+    // Memory that a daemon has with its program, or with a cell, in one module each; and what C calls.
+    "genom-lockstep",
     "genom-client",
     "genom-client-c",
     // It traces daemons, in one module.
