@@ -1,5 +1,6 @@
 //! Announcements of participants, writers and readers (RTPS 2.5, 8.5).
 
+use std::net::SocketAddrV4;
 use std::time::Duration;
 
 use super::limits::{LOCATORS, Limits, NAME, PARAMETERS, USER_DATA};
@@ -20,6 +21,10 @@ pub(crate) const PAIRS: [(Entity, Entity); 5] =
 /// Ids of unicast locators for user data: of an end, and of all ends of a participant (9.6.4).
 pub(crate) const UNICAST: [u16; 2] = [0x002f, 0x0031];
 
+/// Kinds of locators (9.3.2).
+pub(crate) const UDP_V4: u32 = 1;
+pub(crate) const UDP_V6: u32 = 2;
+
 /// Ids of parameters (9.6.4).
 mod id {
     pub(super) const LEASE: u16 = 0x0002;
@@ -38,12 +43,41 @@ mod id {
 }
 
 /// Content of an announcement.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Announced {
     /// The announced end, or the participant's own entity.
     pub(crate) entity: Option<Entity>,
     /// The participant's lease, and its offset in the payload.
     pub(crate) lease: Option<(Duration, usize)>,
+    /// Where user data is received.
+    pub(crate) unicast: Vec<Locator>,
+}
+
+/// Where user data is received over UDP (9.3.2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Locator {
+    /// One of [`UNICAST`].
+    pub(crate) id: u16,
+    /// Its offset in the payload.
+    pub(crate) at: usize,
+    /// `None` if it is not one of IPv4.
+    pub(crate) address: Option<SocketAddrV4>,
+}
+
+impl Locator {
+    /// Where the IPv4 address is in a locator.
+    pub(crate) const ADDRESS: usize = 20;
+
+    /// `None` if it is of another kind, such as shared memory, which RustDDS does not know.
+    fn read(id: u16, at: usize, value: &[u8], little: bool) -> Option<Self> {
+        let value: &[u8; 24] = value.try_into().ok()?;
+        let mut fields = Fields::new(value, little);
+        let (kind, port) = (fields.u32().ok()?, fields.u32().ok()?);
+        let (_, ip) = value.split_last_chunk::<4>()?;
+        let port = u16::try_from(port).ok().filter(|_| kind == UDP_V4);
+        let address = port.map(|port| SocketAddrV4::new((*ip).into(), port));
+        [UDP_V4, UDP_V6].contains(&kind).then_some(Self { id, at, address })
+    }
 }
 
 /// Reads the payload of an announcement of participant `of`; the payload starts with its
@@ -57,7 +91,7 @@ pub(crate) fn read(payload: &[u8], of: &Prefix) -> Result<Announced, Reason> {
     };
     let mut fields = Fields::new(payload, little);
     fields.skip(4)?;
-    let mut announced = Announced { entity: None, lease: None };
+    let mut announced = Announced::default();
     let mut locators = 0;
     parameters(&mut fields, PARAMETERS, |id, at, value| {
         match id {
@@ -104,6 +138,9 @@ pub(crate) fn read(payload: &[u8], of: &Prefix) -> Result<Announced, Reason> {
                 locators += 1;
                 if locators > LOCATORS {
                     return Err(Reason::Announcement);
+                }
+                if UNICAST.contains(&id) {
+                    announced.unicast.extend(Locator::read(id, at, value, little));
                 }
             }
             _ => {}

@@ -274,7 +274,8 @@ impl Guard {
             {
                 discovery::put_lease(payload, at, lease);
             }
-            self.same.rewrite(body.get_mut(start..).unwrap_or_default(), from.address);
+            let payload = body.get_mut(start..).unwrap_or_default();
+            self.same.rewrite(payload, &announced.unicast, from.address);
             return Ok(());
         }
         if writer == WRITERS.0 || writer == READERS.0 {
@@ -282,7 +283,8 @@ impl Guard {
                 let announced = discovery::read(payload, &from.participant)?;
                 let end = announced.entity.ok_or(Reason::Malformed)?;
                 self.peers.open(&from.participant, end)?;
-                self.same.rewrite(body.get_mut(start..).unwrap_or_default(), from.address);
+                let payload = body.get_mut(start..).unwrap_or_default();
+                self.same.rewrite(payload, &announced.unicast, from.address);
             } else if let Some(end) = gone(about, (has == KEY).then_some(payload), from)? {
                 self.peers.close(&from.participant, end);
             }

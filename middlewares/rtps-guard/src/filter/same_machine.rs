@@ -11,21 +11,11 @@
 use std::io::ErrorKind;
 use std::net::{IpAddr, Ipv4Addr, SocketAddrV4, UdpSocket};
 
-use super::discovery::UNICAST;
-use super::limits::PARAMETERS;
+use super::discovery::{Locator, UNICAST};
 use super::locals::Locals;
-use super::message::{Fields, parameters};
 
 /// An address of this machine that nobody has a reason to bind a socket to.
 const NOBODYS: Ipv4Addr = Ipv4Addr::new(127, 83, 71, 59);
-
-/// Kinds of locators (9.3.2), and the length of one in bytes.
-const UDP_V4: u32 = 1;
-const UDP_V6: u32 = 2;
-const LOCATOR: usize = 24;
-
-/// Where the IPv4 address of a locator is.
-const ADDRESS: std::ops::Range<usize> = 20..24;
 
 /// Before the value of a parameter are its id and its length.
 const HEAD: usize = 4;
@@ -52,14 +42,22 @@ impl SameMachine {
         self.rewritten
     }
 
-    /// Rewrites the payload of an announcement, which has been read before, if it comes from an address
-    /// of this machine.
-    pub(crate) fn rewrite(&mut self, payload: &mut [u8], from: Option<IpAddr>) {
+    /// Rewrites the payload of an announcement, in which these locators were read, if it comes from an
+    /// address of this machine.
+    pub(crate) fn rewrite(
+        &mut self,
+        payload: &mut [u8],
+        locators: &[Locator],
+        from: Option<IpAddr>,
+    ) {
         if !matches!(from, Some(IpAddr::V4(from)) if self.locals.has(from)) {
             return;
         }
         for id in UNICAST {
-            let Some(all) = locators(payload, id) else { continue };
+            let all = locators.iter().filter(|one| one.id == id);
+            // Over others than of IPv4 the peer may be meant to be reached.
+            let all: Option<Vec<_>> = all.map(|one| Some((one.at, one.address?))).collect();
+            let Some(all) = all else { continue };
             let known = matches!(all[..], [(_, at)] if *at.ip() == Ipv4Addr::LOCALHOST);
             if known || !all.iter().all(|(_, at)| self.locals.has(*at.ip())) {
                 continue;
@@ -75,38 +73,14 @@ impl SameMachine {
     }
 }
 
-/// The IPv4 locators of this id, and where each value is; `None` if there are others, over which the
-/// peer may be meant to be reached.
-fn locators(payload: &[u8], id: u16) -> Option<Vec<(usize, SocketAddrV4)>> {
-    let little = payload.get(1) == Some(&3);
-    let mut fields = Fields::new(payload, little);
-    fields.skip(4).ok()?;
-    let (mut all, mut others) = (Vec::new(), false);
-    let read = parameters(&mut fields, PARAMETERS, |of, at, value| {
-        if of == id && value.len() == LOCATOR {
-            let mut fields = Fields::new(value, little);
-            let (kind, port) = (fields.u32()?, fields.u32()?);
-            fields.skip(ADDRESS.start - 8)?;
-            match (kind, u16::try_from(port)) {
-                (UDP_V4, Ok(port)) => {
-                    all.push((at, SocketAddrV4::new(fields.bytes::<4>()?.into(), port)));
-                }
-                (UDP_V4 | UDP_V6, _) => others = true,
-                // Shared memory, which RustDDS does not know.
-                _ => {}
-            }
-        }
-        Ok(())
-    });
-    (read.is_ok() && !others).then_some(all)
-}
-
 /// Puts the loopback address in the place of the first locator of each port; the others become padding.
 fn replace(payload: &mut [u8], all: &[(usize, SocketAddrV4)]) {
     for (rank, (at, address)) in all.iter().enumerate() {
         let first = all.iter().position(|(_, other)| other.port() == address.port());
         let (place, bytes) = match first {
-            Some(first) if first == rank => (at + ADDRESS.start, &Ipv4Addr::LOCALHOST.octets()[..]),
+            Some(first) if first == rank => {
+                (at + Locator::ADDRESS, &Ipv4Addr::LOCALHOST.octets()[..])
+            }
             _ => (at - HEAD, &PAD[..]),
         };
         if let Some(place) = payload.get_mut(place..place + bytes.len()) {
@@ -126,6 +100,7 @@ mod tests {
     use std::sync::Arc;
     use std::time::Duration;
 
+    use super::super::discovery::{UDP_V4, UDP_V6, read};
     use super::super::tests::forger::{Forger, data};
     use super::super::{Guard, Limits};
     use super::*;
@@ -153,6 +128,11 @@ mod tests {
         payload
     }
 
+    fn rewrite(same: &mut SameMachine, payload: &mut [u8], from: Option<Ipv4Addr>) {
+        let announced = read(payload, &PEER.0).unwrap();
+        same.rewrite(payload, &announced.unicast, from.map(IpAddr::V4));
+    }
+
     /// What is left of the locators of an announcement.
     fn left(id: u16, little: bool, all: &[(u16, Ipv4Addr)]) -> Vec<(u16, Ipv4Addr)> {
         let values: Vec<_> =
@@ -160,14 +140,15 @@ mod tests {
         let mut payload = announced(id, little, &values);
         let mut unseen = payload.clone();
         let mut same = SameMachine::default();
-        same.rewrite(&mut unseen, Some(FAR.into()));
-        same.rewrite(&mut unseen, None);
+        rewrite(&mut same, &mut unseen, Some(FAR));
+        rewrite(&mut same, &mut unseen, None);
         assert_eq!((&unseen, same.has_rewritten()), (&payload, false), "it comes from elsewhere");
-        same.rewrite(&mut payload, Some(OTHER.into()));
+        rewrite(&mut same, &mut payload, Some(OTHER));
         assert_eq!(same.has_rewritten(), payload != unseen);
         assert_eq!(payload.len(), unseen.len());
-        let left = locators(&payload, id).unwrap();
-        left.into_iter().map(|(_, at)| (at.port(), *at.ip())).collect()
+        let left = read(&payload, &PEER.0).unwrap().unicast;
+        assert!(left.iter().all(|one| one.id == id));
+        left.into_iter().filter_map(|one| Some((one.address?.port(), *one.address?.ip()))).collect()
     }
 
     /// A socket that hears everywhere, and its port.
@@ -202,7 +183,7 @@ mod tests {
         let both = [locator(UDP_V4, port, OTHER, true), locator(UDP_V6, port, OTHER, true)];
         let mut payload = announced(id, true, &both);
         let before = payload.clone();
-        SameMachine::default().rewrite(&mut payload, Some(OTHER.into()));
+        rewrite(&mut SameMachine::default(), &mut payload, Some(OTHER));
         assert_eq!(payload, before, "it may be meant to be reached over IPv6");
     }
 
