@@ -86,10 +86,9 @@ impl Guard {
         }
     }
 
-    /// Whether the datagram that was screened last comes from this machine, and RustDDS has to see it
-    /// come from the loopback address.
-    pub(crate) fn seems_elsewhere(&self) -> bool {
-        self.same.has_rewritten()
+    /// Whether RustDDS has to see the datagram that was screened last come from the loopback address.
+    pub(crate) fn needs_loopback(&self) -> bool {
+        self.same.needs_loopback()
     }
 
     /// Modifies a datagram so that RustDDS may receive it. Returns false if nothing is left of it.

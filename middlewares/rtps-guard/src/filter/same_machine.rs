@@ -26,20 +26,20 @@ const PAD: [u8; 2] = [0; 2];
 #[derive(Debug, Default)]
 pub(crate) struct SameMachine {
     locals: Locals,
-    /// Whether an announcement of the present datagram was rewritten: RustDDS has to see that it comes
-    /// from the loopback address.
-    rewritten: bool,
+    /// Whether RustDDS has to see the present datagram come from the loopback address: an announcement
+    /// in it was rewritten.
+    needs_loopback: bool,
 }
 
 impl SameMachine {
     /// Another datagram comes.
     pub(crate) fn begin(&mut self) {
-        self.rewritten = false;
+        self.needs_loopback = false;
     }
 
-    /// Whether an announcement of the present datagram was rewritten.
-    pub(crate) fn has_rewritten(&self) -> bool {
-        self.rewritten
+    /// Whether RustDDS has to see the present datagram come from the loopback address.
+    pub(crate) fn needs_loopback(&self) -> bool {
+        self.needs_loopback
     }
 
     /// Rewrites the payload of an announcement, in which these locators were read, if it comes from an
@@ -67,7 +67,7 @@ impl SameMachine {
             ports.dedup();
             if ports.into_iter().all(is_heard_everywhere) {
                 replace(payload, &all);
-                self.rewritten |= !all.is_empty();
+                self.needs_loopback |= !all.is_empty();
             }
         }
     }
@@ -142,9 +142,9 @@ mod tests {
         let mut same = SameMachine::default();
         rewrite(&mut same, &mut unseen, Some(FAR));
         rewrite(&mut same, &mut unseen, None);
-        assert_eq!((&unseen, same.has_rewritten()), (&payload, false), "it comes from elsewhere");
+        assert_eq!((&unseen, same.needs_loopback()), (&payload, false), "it comes from elsewhere");
         rewrite(&mut same, &mut payload, Some(OTHER));
-        assert_eq!(same.has_rewritten(), payload != unseen);
+        assert_eq!(same.needs_loopback(), payload != unseen);
         assert_eq!(payload.len(), unseen.len());
         let left = read(&payload, &PEER.0).unwrap().unicast;
         assert!(left.iter().all(|one| one.id == id));
@@ -194,7 +194,7 @@ mod tests {
         let mut heard = |mut datagram: Vec<u8>| {
             let (from, now) = (Some(OTHER.into()), Duration::from_secs(9));
             assert!(guard.screen(&mut datagram, from, now, &mut |_, _| false));
-            (datagram, guard.seems_elsewhere())
+            (datagram, guard.needs_loopback())
         };
         let parameter = |id: u16, address| {
             [&id.to_le_bytes()[..], &[24, 0], &locator(UDP_V4, port, address, true)].concat()

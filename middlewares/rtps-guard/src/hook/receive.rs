@@ -129,7 +129,7 @@ impl Gate {
             };
             if datagram.is_none_or(&mut screen) {
                 self.bytes += length;
-                if known && self.guard.seems_elsewhere() {
+                if known && self.guard.needs_loopback() {
                     // SAFETY: the system has filled in an IPv4 address, which is the caller's.
                     unsafe { put_loopback(&*message) };
                 }
