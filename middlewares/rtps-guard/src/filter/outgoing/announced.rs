@@ -12,6 +12,7 @@ use std::time::Duration;
 use super::super::limits::FLOWS;
 use super::super::message::{Entity, Fields, HEADER, Head, is_builtin, kind, put_number};
 use super::super::tally::Reason;
+use super::cut::Cut;
 
 /// How long a sample may remain unannounced: RustDDS sends it at once, unless nobody reads.
 const LONGEST: Duration = Duration::from_millis(100);
@@ -85,9 +86,7 @@ impl Announced {
         let mut at = HEADER;
         while let Ok(Some(head)) = Head::read(message, at) {
             at = head.body.end;
-            if let Some(body) = message.get(head.body.clone())
-                && matches!(head.kind, kind::DATA | kind::DATA_FRAG)
-                && let Ok((writer, number, last)) = sample(body, &head)
+            if let Some((writer, number, last)) = sample(message, &head)
                 && !is_builtin(writer)
                 && (head.kind == kind::DATA_FRAG || self.0.contains_key(&writer))
                 && (self.0.len() < FLOWS || self.0.contains_key(&writer))
@@ -109,18 +108,18 @@ fn heartbeat(body: &[u8], little: bool) -> Result<(Entity, i64, i64), Reason> {
     Ok((fields.bytes()?, fields.number()?, fields.number()?))
 }
 
-/// The writer and number of a sample, and whether this is all or the last of it.
-fn sample(body: &[u8], head: &Head) -> Result<(Entity, i64, bool), Reason> {
-    let mut fields = Fields::new(body, head.little());
-    fields.skip(8)?;
-    let (writer, number) = (fields.bytes()?, fields.number()?);
-    if head.kind == kind::DATA {
-        return Ok((writer, number, true));
+/// The writer and number of a sample, and whether this is all or the last of it; `None` if the
+/// submessage has no sample.
+fn sample(message: &[u8], head: &Head) -> Option<(Entity, i64, bool)> {
+    match head.kind {
+        kind::DATA => {
+            let mut fields = Fields::new(message.get(head.body.clone())?, head.little());
+            fields.skip(8).ok()?;
+            Some((fields.bytes().ok()?, fields.number().ok()?, true))
+        }
+        kind::DATA_FRAG => Cut::of(message, head).map(|cut| (cut.writer, cut.number, cut.last)),
+        _ => None,
     }
-    let (first, count, size, whole) = (fields.u32()?, fields.u16()?, fields.u16()?, fields.u32()?);
-    let total = whole.checked_div(size.into()).ok_or(Reason::Malformed)?;
-    let total = total + u32::from(whole % u32::from(size) > 0);
-    Ok((writer, number, first.saturating_add(count.into()) > total))
 }
 
 #[cfg(test)]

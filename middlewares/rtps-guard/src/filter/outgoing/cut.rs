@@ -39,7 +39,8 @@ impl Cut {
         None
     }
 
-    fn of(message: &[u8], head: &Head) -> Option<Self> {
+    /// `None` if this submessage of the message, a DATA_FRAG, is not one of a port or service.
+    pub(crate) fn of(message: &[u8], head: &Head) -> Option<Self> {
         const INLINE: u8 = 2;
         let mut fields = Fields::new(message.get(head.body.clone())?, head.little());
         fields.skip(2).ok()?;
