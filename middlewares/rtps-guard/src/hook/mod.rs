@@ -8,6 +8,8 @@
 
 #![allow(unsafe_code, reason = "defines functions of the C library")]
 
+mod address;
+mod next;
 mod receive;
 mod send;
 mod since;

@@ -6,12 +6,13 @@
 //! On all other threads it calls the C library's.
 
 use std::cell::RefCell;
-use std::ffi::{c_int, c_void};
-use std::net::{IpAddr, Ipv4Addr, Ipv6Addr};
+use std::ffi::c_int;
+use std::net::{IpAddr, Ipv4Addr};
 use std::ptr;
-use std::sync::atomic::{AtomicPtr, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
+use super::address;
+use super::next::Next;
 use super::since::since_boot;
 use super::threads::is_rustdds;
 use crate::filter::{Guard, Limits, Tally};
@@ -120,8 +121,9 @@ impl Gate {
             self.datagrams += 1;
             // SAFETY: the system has filled it in; the buffer is the caller's and has that length.
             let datagram = unsafe { datagram(message, length) };
-            // SAFETY: the system has filled in the address.
-            let from = unsafe { address(&*message) };
+            // SAFETY: the system has filled in the address, if the caller asked for it.
+            let from = unsafe { address::read((*message).msg_name.cast(), (*message).msg_namelen) };
+            let from = from.map(|from| from.ip());
             let known = datagram.is_some() && matches!(from, Some(IpAddr::V4(_)));
             // `None` if it is split over several buffers, which RustDDS never asks for.
             let mut screen = |datagram: &mut [u8]| {
@@ -160,31 +162,6 @@ unsafe fn datagram<'a>(message: *const libc::msghdr, length: usize) -> Option<&'
     Some(unsafe { std::slice::from_raw_parts_mut(buffer.iov_base.cast(), length) })
 }
 
-/// Address of the sender, if the caller asked for it.
-///
-/// # Safety
-/// The system filled in `message`.
-unsafe fn address(message: &libc::msghdr) -> Option<IpAddr> {
-    let (name, length) = (message.msg_name, message.msg_namelen as usize);
-    if name.is_null() || length < size_of::<libc::sa_family_t>() {
-        return None;
-    }
-    // SAFETY: each address begins with its family, and no more is read than that family has.
-    unsafe {
-        match c_int::from(ptr::read_unaligned(name.cast::<libc::sa_family_t>())) {
-            libc::AF_INET if length >= size_of::<libc::sockaddr_in>() => {
-                let name = ptr::read_unaligned(name.cast::<libc::sockaddr_in>());
-                Some(Ipv4Addr::from(u32::from_be(name.sin_addr.s_addr)).into())
-            }
-            libc::AF_INET6 if length >= size_of::<libc::sockaddr_in6>() => {
-                let name = ptr::read_unaligned(name.cast::<libc::sockaddr_in6>());
-                Some(Ipv6Addr::from(name.sin6_addr.s6_addr).into())
-            }
-            _ => None,
-        }
-    }
-}
-
 /// Makes the sender's address, which is an IPv4 one, that of the loopback interface.
 ///
 /// # Safety
@@ -212,13 +189,8 @@ fn domain_of(socket: c_int) -> Option<u16> {
 /// # Safety
 /// The same as for the system's.
 unsafe fn receive(socket: c_int, message: *mut libc::msghdr, flags: c_int) -> libc::ssize_t {
-    static NEXT: AtomicPtr<c_void> = AtomicPtr::new(ptr::null_mut());
-    let mut next = NEXT.load(Ordering::Relaxed);
-    if next.is_null() {
-        // SAFETY: looks up a name after the program's own definition.
-        next = unsafe { libc::dlsym(libc::RTLD_NEXT, c"recvmsg".as_ptr()) };
-        NEXT.store(next, Ordering::Relaxed);
-    }
+    static NEXT: Next = Next::new(c"recvmsg");
+    let next = NEXT.get();
     if next.is_null() {
         // SAFETY: the same call, directly to the system, in a statically linked program.
         return unsafe { libc::syscall(libc::SYS_recvmsg, socket, message, flags) }

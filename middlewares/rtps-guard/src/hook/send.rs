@@ -6,11 +6,11 @@
 
 use std::cell::RefCell;
 use std::ffi::{c_int, c_void};
-use std::net::{IpAddr, Ipv4Addr, SocketAddrV4};
-use std::ptr;
-use std::sync::atomic::{AtomicPtr, Ordering};
+use std::net::{IpAddr, SocketAddr};
 use std::time::Duration;
 
+use super::address;
+use super::next::Next;
 use super::since::since_boot;
 use super::threads::is_rustdds;
 use crate::filter::{Lack, Outgoing, Target, Wire, mended};
@@ -49,9 +49,13 @@ unsafe extern "C" fn sendto(
         let mended = mended(message);
         let meant = mended.as_deref().unwrap_or(message);
         // SAFETY: the address is the caller's.
-        let target = unsafe { target(socket, to, size) };
-        let part = |to: &Target| with_outgoing(|all| all.send_part(to, meant, &mut Sockets));
-        let part = target.as_ref().and_then(part).flatten();
+        let part = match unsafe { address::read(to, size) } {
+            Some(SocketAddr::V4(address)) => {
+                let to = Target { socket, address };
+                with_outgoing(|all| all.send_part(&to, meant, &mut Sockets)).flatten()
+            }
+            _ => None,
+        };
         match part {
             Some(true) => {}
             Some(false) => return -1,
@@ -90,29 +94,6 @@ fn with_outgoing<R>(work: impl FnOnce(&mut Outgoing) -> R) -> Option<R> {
 /// were sent again.
 pub(super) fn repair(reader: Option<IpAddr>, lack: &Lack) -> bool {
     with_outgoing(|all| all.repair(reader, lack, &mut Sockets)).unwrap_or(false)
-}
-
-/// `None` if it is not an address of IPv4.
-///
-/// # Safety
-/// `to` is null, or refers to an address of `size` bytes.
-unsafe fn target(
-    socket: c_int,
-    to: *const libc::sockaddr,
-    size: libc::socklen_t,
-) -> Option<Target> {
-    if to.is_null() || (size as usize) < size_of::<libc::sockaddr_in>() {
-        return None;
-    }
-    // SAFETY: each address begins with its family.
-    let family = unsafe { ptr::read_unaligned(to.cast::<libc::sa_family_t>()) };
-    if c_int::from(family) != libc::AF_INET {
-        return None;
-    }
-    // SAFETY: an address of this family, of which there are enough bytes.
-    let to = unsafe { ptr::read_unaligned(to.cast::<libc::sockaddr_in>()) };
-    let address = Ipv4Addr::from(u32::from_be(to.sin_addr.s_addr));
-    Some(Target { socket, address: SocketAddrV4::new(address, u16::from_be(to.sin_port)) })
 }
 
 /// The participant's sockets.
@@ -155,13 +136,8 @@ unsafe fn send(
     to: *const libc::sockaddr,
     size: libc::socklen_t,
 ) -> libc::ssize_t {
-    static NEXT: AtomicPtr<c_void> = AtomicPtr::new(ptr::null_mut());
-    let mut next = NEXT.load(Ordering::Relaxed);
-    if next.is_null() {
-        // SAFETY: looks up a name after the program's own definition.
-        next = unsafe { libc::dlsym(libc::RTLD_NEXT, c"sendto".as_ptr()) };
-        NEXT.store(next, Ordering::Relaxed);
-    }
+    static NEXT: Next = Next::new(c"sendto");
+    let next = NEXT.get();
     if next.is_null() {
         // SAFETY: the same call, directly to the system, in a statically linked program.
         return unsafe { libc::syscall(libc::SYS_sendto, socket, bytes, length, flags, to, size) }
