@@ -14,16 +14,7 @@ use genom_supervisor::components::{Activity, Components as Running, Hosted};
 /// # Errors
 /// There is none; the message names the one that was probably meant.
 pub fn find(all: &Running, name: &str) -> Result<Arc<Hosted>, RpcError> {
-    let components = all.all();
-    match components.iter().find(|hosted| hosted.name == name) {
-        Some(hosted) => Ok(Arc::clone(hosted)),
-        None => Err(RpcError::unknown(
-            Code::NoSuchComponent,
-            "no component",
-            name,
-            components.iter().map(|hosted| hosted.name.as_str()),
-        )),
-    }
+    all.get(name).ok_or_else(|| unknown(all, name))
 }
 
 /// The component of that name, also while it is being stopped.
@@ -31,7 +22,13 @@ pub fn find(all: &Running, name: &str) -> Result<Arc<Hosted>, RpcError> {
 /// # Errors
 /// As of [`find`].
 pub fn find_until_closed(all: &Running, name: &str) -> Result<Arc<Hosted>, RpcError> {
-    all.being_stopped(name).map_or_else(|| find(all, name), Ok)
+    all.get_until_closed(name).ok_or_else(|| unknown(all, name))
+}
+
+fn unknown(all: &Running, name: &str) -> RpcError {
+    let components = all.all();
+    let names = components.iter().map(|hosted| hosted.name.as_str());
+    RpcError::unknown(Code::NoSuchComponent, "no component", name, names)
 }
 
 /// The activity of that number, also one that ended lately.

@@ -62,7 +62,7 @@ impl Components {
             }
             before.release_ports(from);
             heir.watcher.inherit(&before.watcher);
-            let _ = self.replace(&heir.name, Arc::clone(heir));
+            self.replace(&heir.name, Arc::clone(heir));
         };
         let done =
             before.instance.hand_over(&heir.instance, (limit, timeout), convert, exchange)?;

@@ -45,19 +45,24 @@ pub struct Components {
 impl Components {
     /// The running component of that name.
     pub fn get(&self, name: &str) -> Option<Arc<Hosted>> {
-        match self.slots.read().unwrap_or_else(PoisonError::into_inner).get(name) {
-            Some(Slot::Running(hosted)) => Some(Arc::clone(hosted)),
-            _ => None,
+        match self.slot(name)? {
+            Slot::Running(hosted) => Some(hosted),
+            Slot::Loading | Slot::Stopping(_) => None,
         }
     }
 
-    /// The component of that name that is being stopped, until it is closed: how its activities end is
-    /// still of interest.
-    pub fn being_stopped(&self, name: &str) -> Option<Arc<Hosted>> {
-        match self.slots.read().unwrap_or_else(PoisonError::into_inner).get(name) {
-            Some(Slot::Stopping(hosted)) => hosted.upgrade(),
-            _ => None,
+    /// The component of that name that runs or is being stopped, until it is closed: how its activities
+    /// end is still of interest.
+    pub fn get_until_closed(&self, name: &str) -> Option<Arc<Hosted>> {
+        match self.slot(name)? {
+            Slot::Running(hosted) => Some(hosted),
+            Slot::Stopping(hosted) => hosted.upgrade(),
+            Slot::Loading => None,
         }
+    }
+
+    fn slot(&self, name: &str) -> Option<Slot> {
+        self.slots.read().unwrap_or_else(PoisonError::into_inner).get(name).cloned()
     }
 
     /// All running components, in the order they were loaded.
@@ -115,9 +120,9 @@ impl Components {
         self.slots.write().unwrap_or_else(PoisonError::into_inner).shift_remove(name);
     }
 
-    /// Puts a component in the place of a running one, which is returned.
-    pub(super) fn replace(&self, name: &str, new: Arc<Hosted>) -> Option<Arc<Hosted>> {
-        self.exchange_running(name, |_| Slot::Running(new))
+    /// Puts a component in the place of a running one.
+    pub(super) fn replace(&self, name: &str, new: Arc<Hosted>) {
+        self.exchange_running(name, |_| Slot::Running(new));
     }
 
     /// A running component, which is to be stopped: requests do not find it any more.
