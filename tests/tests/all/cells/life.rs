@@ -97,7 +97,7 @@ fn the_end_of_the_daemon_is_that_of_its_cells() {
 /// How an activity ends that began before a daemon was told to stop is learnt by who asks after that.
 #[test]
 fn a_cell_that_stops_tells_of_its_activities_until_they_have_ended() {
-    let daemon = Daemon::start(&[]);
+    let daemon = Daemon::start(&["--set", "stop_timeout=60"]);
     load(&daemon, "blocks", &["--isolated"]);
     let file = daemon.home().path().join("go on");
     let input = format!("file={}", path(&file));
