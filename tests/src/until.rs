@@ -12,14 +12,20 @@ use crate::WATCHDOG;
 /// The shortest and the longest pause between two looks.
 const PAUSE: (Duration, Duration) = (Duration::from_millis(1), Duration::from_millis(50));
 
-/// Looks, and makes a pause unless that gave what is waited for.
-fn look<T>(so: &mut impl FnMut() -> T, is_last: impl Fn(&T) -> bool) -> T {
-    let begin = Instant::now();
-    let found = so();
-    if !is_last(&found) {
+/// Looks until that gives what is waited for; what it gave last, if time is up before.
+fn poll<T>(mut look: impl FnMut() -> T, is_last: impl Fn(&T) -> bool) -> Result<(), T> {
+    let end = Instant::now() + WATCHDOG;
+    loop {
+        let begin = Instant::now();
+        let found = look();
+        if is_last(&found) {
+            return Ok(());
+        }
+        if Instant::now() >= end {
+            return Err(found);
+        }
         std::thread::park_timeout(begin.elapsed().clamp(PAUSE.0, PAUSE.1));
     }
-    found
 }
 
 /// Polls until the condition holds.
@@ -27,10 +33,9 @@ fn look<T>(so: &mut impl FnMut() -> T, is_last: impl Fn(&T) -> bool) -> T {
 /// # Panics
 /// If it does not hold in time.
 #[track_caller]
-pub fn until(what: &str, mut so: impl FnMut() -> bool) {
-    let end = Instant::now() + WATCHDOG;
-    while !look(&mut so, |holds| *holds) {
-        assert!(Instant::now() < end, "{what}: this does not come to be");
+pub fn until(what: &str, so: impl FnMut() -> bool) {
+    if poll(so, |holds| *holds).is_err() {
+        panic!("{what}: this does not come to be");
     }
 }
 
@@ -39,17 +44,12 @@ pub fn until(what: &str, mut so: impl FnMut() -> bool) {
 /// # Panics
 /// If it stays different.
 #[track_caller]
-pub fn until_answer<T, W>(wanted: &W, mut ask: impl FnMut() -> T)
+pub fn until_answer<T, W>(wanted: &W, ask: impl FnMut() -> T)
 where
     T: PartialEq<W> + Display,
     W: Display + ?Sized,
 {
-    let end = Instant::now() + WATCHDOG;
-    loop {
-        let found = look(&mut ask, |found| found == wanted);
-        if found == *wanted {
-            return;
-        }
-        assert!(Instant::now() < end, "{found} instead of {wanted}");
+    if let Err(found) = poll(ask, |found| found == wanted) {
+        panic!("{found} instead of {wanted}");
     }
 }

@@ -14,11 +14,10 @@ struct World {
 impl World {
     fn new(configuration: &str, arguments: &[&str]) -> Self {
         let node = Node::start();
-        let options = node.options(&[&["--backend", "ros2"], arguments].concat());
-        let options: Vec<&str> = options.iter().map(String::as_str).collect();
         // A lease of an hour: that a daemon has ended shows by its connection, or not at all here.
         let by = ["env", "ZENOH_CONFIG_OVERRIDE=transport/link/tx/lease=3600000"];
-        let daemon = Home::new().configured(configuration).start_by(&by, &options);
+        let arguments = [&["--backend", "ros2"], arguments].concat();
+        let daemon = node.daemon(Home::new().configured(configuration), &by, &arguments);
         Self { daemon, node }
     }
 

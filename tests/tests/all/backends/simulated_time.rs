@@ -142,9 +142,7 @@ fn what_is_no_date_is_left_out_and_only_the_simulator_steps_that_clock() {
 fn a_simulator_is_followed_over_zenoh_as_well() {
     let mut node = Node::start();
     let demo = component("demo");
-    let options = node.options(&["--clock", "ros", path(&demo.library)]);
-    let options: Vec<&str> = options.iter().map(String::as_str).collect();
-    let daemon = Home::new().start(&options);
+    let daemon = node.daemon(Home::new(), &[], &["--clock", "ros", path(&demo.library)]);
     let peer = &mut node.peer;
     let [ty, hash] = CLOCK;
     peer.ask(&json!(["write", "/clock", ty, hash, false]));

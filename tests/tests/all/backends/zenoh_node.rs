@@ -5,7 +5,7 @@ use std::process::Command;
 
 use genom_components::peer::Peer;
 use genom_components::python;
-use genom_tests::repository;
+use genom_tests::{Daemon, Home, repository};
 use tempfile::TempDir;
 
 pub(super) struct Node {
@@ -25,17 +25,18 @@ impl Node {
         Self { peer, router, _place: place }
     }
 
-    /// Options of a daemon that finds it, and these.
-    pub(super) fn options(&self, more: &[&str]) -> Vec<String> {
-        let of_ros2 = [
-            "rmw=\"zenoh\"".to_owned(),
-            "domain=0".to_owned(),
-            "namespace=\"\"".to_owned(),
-            format!("zenoh.connect=[{:?}]", self.router),
-            "zenoh.listen=[\"tcp/127.0.0.1:0\"]".to_owned(),
+    /// A daemon here that finds it, started by this program, with these arguments.
+    #[track_caller]
+    pub(super) fn daemon(&self, home: Home, by: &[&str], arguments: &[&str]) -> Daemon {
+        let connect = format!("backends.ros2.zenoh.connect=[{:?}]", self.router);
+        let options = [
+            "backends.ros2.rmw=\"zenoh\"",
+            "backends.ros2.domain=0",
+            "backends.ros2.namespace=\"\"",
+            &connect,
+            "backends.ros2.zenoh.listen=[\"tcp/127.0.0.1:0\"]",
         ];
-        let set =
-            of_ros2.iter().flat_map(|one| ["--set".to_owned(), format!("backends.ros2.{one}")]);
-        set.chain(more.iter().map(|&word| word.to_owned())).collect()
+        let set = options.into_iter().flat_map(|one| ["--set", one]);
+        home.start_by(by, &set.chain(arguments.iter().copied()).collect::<Vec<_>>())
     }
 }
