@@ -1,6 +1,7 @@
 //! Completion: keywords of the context, and names that are possible there.
 
 use genom_description::model::Span;
+use genom_description::syntax::words::{IDL, PARTS, PROPERTIES};
 use genom_description::syntax::{Name, Path};
 
 use super::Navigator;
@@ -29,46 +30,7 @@ pub enum CompletionKind {
     Symbol(SymbolKind),
 }
 
-const TOP: &[&str] = &[
-    "component",
-    "interface",
-    "module",
-    "struct",
-    "union",
-    "enum",
-    "typedef",
-    "const",
-    "native",
-    "exception",
-];
-const BODY: &[&str] = &[
-    "doc",
-    "version",
-    "lang",
-    "email",
-    "requires",
-    "codels-require",
-    "clock-rate",
-    "provides",
-    "uses",
-    "extends",
-    "throws",
-    "ids",
-    "task",
-    "port",
-    "attribute",
-    "function",
-    "activity",
-    "event",
-    "struct",
-    "union",
-    "enum",
-    "typedef",
-    "const",
-    "native",
-    "exception",
-    "module",
-];
+const TOP: &[&str] = &["component", "interface"];
 const TASK: &[&str] =
     &["doc", "period", "delay", "priority", "scheduling", "stack", "codel", "async", "throws"];
 const ATTRIBUTE: &[&str] = &["doc", "validate", "throws", "codel"];
@@ -128,8 +90,8 @@ const OTHERS: &[&str] = &[
 
 /// Whether a word is a keyword somewhere in the language.
 pub(super) fn is_word(word: &str) -> bool {
-    let tables = [TOP, BODY, TASK, ATTRIBUTE, FUNCTION, ACTIVITY, TYPES, DIRECTIONS, OTHERS];
-    tables.iter().any(|table| table.contains(&word))
+    let tables = [TOP, TASK, ATTRIBUTE, FUNCTION, ACTIVITY, TYPES, DIRECTIONS, OTHERS];
+    tables.into_iter().chain([PROPERTIES, PARTS, IDL]).any(|table| table.contains(&word))
 }
 
 /// Kinds of names that a context accepts.
@@ -213,8 +175,8 @@ impl Navigator {
 
     fn statement(&self, scope: usize, block: &str) -> Vec<Completion> {
         match block {
-            "" | "module" => keywords(TOP),
-            "component" | "interface" => keywords(BODY),
+            "" | "module" => keywords(&[TOP, IDL].concat()),
+            "component" | "interface" => keywords(&[PROPERTIES, PARTS, IDL].concat()),
             "task" => keywords(TASK),
             "attribute" => keywords(ATTRIBUTE),
             "function" => keywords(FUNCTION),

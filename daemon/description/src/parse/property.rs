@@ -5,21 +5,10 @@ use std::rc::Rc;
 use genom_nearest::meant;
 
 use super::{Parsed, Parser};
-use crate::syntax::{Name, Property, PropertyKind, Quantity, TimeUnit};
+use crate::syntax::{Name, Property, PropertyKind, Quantity, TimeUnit, words};
 
-/// Every property, for suggestions.
-const PROPERTIES: [&str; 26] = [
-    "doc",
-    "version",
-    "lang",
-    "email",
-    "requires",
-    "codels-require",
-    "clock-rate",
-    "provides",
-    "uses",
-    "extends",
-    "throws",
+/// Properties of what components consist of.
+const OF_PARTS: &[&str] = &[
     "period",
     "delay",
     "priority",
@@ -36,6 +25,11 @@ const PROPERTIES: [&str; 26] = [
     "input",
     "output",
 ];
+
+/// Every property.
+fn all() -> impl Iterator<Item = &'static str> {
+    [words::PROPERTIES, OF_PARTS].into_iter().flatten().copied()
+}
 
 impl Parser<'_> {
     /// `{ property... }`, if it is there.
@@ -54,7 +48,7 @@ impl Parser<'_> {
                 Ok(Some(property)) => properties.push(property),
                 // genom3.md 3.1 L7.
                 Ok(None) => {
-                    let help = self.word().and_then(|word| meant(word, PROPERTIES));
+                    let help = self.word().and_then(|word| meant(word, all()));
                     let _ = self.refuse::<()>("E0107", "a property", help);
                     self.recover(level, from);
                 }
@@ -159,7 +153,7 @@ impl Parser<'_> {
 }
 
 fn is_property(word: &str) -> bool {
-    PROPERTIES.contains(&word)
+    all().any(|property| property == word)
         || matches!(
             word,
             "language"

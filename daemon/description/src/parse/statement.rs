@@ -5,40 +5,14 @@ use genom_nearest::meant;
 use super::{Parsed, Parser};
 use crate::syntax::{
     Body, Const, Exception, Export, Idl, IdsDeclaration, Name, Path, Statement, Struct, TypeSpec,
-    Typedef,
+    Typedef, words,
 };
 use crate::token::TokenKind;
 
-/// Words that may start a statement of a component, for suggestions.
-const EXPORTS: [&str; 27] = [
-    "ids",
-    "task",
-    "port",
-    "attribute",
-    "function",
-    "activity",
-    "event",
-    "doc",
-    "version",
-    "lang",
-    "email",
-    "requires",
-    "codels-require",
-    "clock-rate",
-    "provides",
-    "uses",
-    "extends",
-    "throws",
-    "const",
-    "typedef",
-    "struct",
-    "union",
-    "enum",
-    "native",
-    "exception",
-    "module",
-    "codel",
-];
+/// Words that may start a statement of a component.
+fn exports() -> impl Iterator<Item = &'static str> {
+    [words::PARTS, words::PROPERTIES, words::IDL, &["codel"]].into_iter().flatten().copied()
+}
 
 impl Parser<'_> {
     pub(super) fn specification(&mut self) -> Vec<Statement> {
@@ -69,7 +43,8 @@ impl Parser<'_> {
                 matches!(*k, "module" | "const" | "struct" | "union" | "enum" | "typedef")
             }
             TokenKind::Identifier(word) => {
-                matches!(&**word, "component" | "interface" | "async") || EXPORTS.contains(&&**word)
+                matches!(&**word, "component" | "interface" | "async")
+                    || exports().any(|export| export == &**word)
             }
             _ => false,
         }
@@ -92,9 +67,9 @@ impl Parser<'_> {
             _ => match self.idl()? {
                 Some(idl) => Ok(Statement::Idl(idl)),
                 None => {
-                    let help = self.word().and_then(|word| {
-                        meant(word, EXPORTS.iter().copied().chain(["component", "interface"]))
-                    });
+                    let help = self
+                        .word()
+                        .and_then(|word| meant(word, exports().chain(["component", "interface"])));
                     let _ = start;
                     self.refuse("E0104", "`component`, `interface` or an IDL definition", help)
                 }
@@ -169,7 +144,7 @@ impl Parser<'_> {
                 let help = match self.word() {
                     Some("remote") => Some("remotes come from `uses INTERFACE;`".to_owned()),
                     Some("template") => Some("templates are gone since GenoM 3".to_owned()),
-                    Some(word) => meant(word, EXPORTS.iter().copied()),
+                    Some(word) => meant(word, exports()),
                     None if self.is(";") => Some("remove this `;`".to_owned()),
                     None => None,
                 };

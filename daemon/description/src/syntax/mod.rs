@@ -6,6 +6,7 @@
 mod body;
 mod idl;
 mod name;
+pub mod words;
 
 pub use body::{
     Body, Codel, CodelParameter, Direction, Event, Export, IdsDeclaration, PortDeclaration,
