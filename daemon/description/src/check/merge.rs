@@ -1,7 +1,5 @@
 //! `provides`, `extends` and `uses`: merges an interface into another body (genom3.md 4.6).
 
-use indexmap::IndexSet;
-
 use super::Checker;
 use super::scope::Entity;
 use super::state::{
@@ -92,18 +90,7 @@ impl Checker {
             task;
         let mut known = match self.bodies[id].tasks.get(&name) {
             Some(known) => known.clone(),
-            None => Task {
-                name: name.clone(),
-                span,
-                docs: Vec::new(),
-                period: None,
-                delay: None,
-                priority: None,
-                stack: None,
-                real_time: None,
-                throws: IndexSet::new(),
-                codels: Vec::new(),
-            },
+            None => Task::new(name.clone(), span),
         };
         add_new(&mut known.docs, docs);
         let clashes = [

@@ -67,6 +67,24 @@ pub(super) struct Task {
     pub(super) codels: Vec<CodelState>,
 }
 
+impl Task {
+    /// A task of which nothing is said yet.
+    pub(super) fn new(name: Rc<str>, span: Span) -> Self {
+        Self {
+            name,
+            span,
+            docs: Vec::new(),
+            period: None,
+            delay: None,
+            priority: None,
+            stack: None,
+            real_time: None,
+            throws: IndexSet::new(),
+            codels: Vec::new(),
+        }
+    }
+}
+
 #[derive(Clone, Debug)]
 pub(super) struct PortState {
     pub(super) out: bool,

@@ -1,7 +1,5 @@
 //! Execution tasks.
 
-use indexmap::IndexSet;
-
 use super::Checker;
 use super::room;
 use super::state::{BodyId, Role, Task, add_throws};
@@ -10,10 +8,9 @@ use crate::syntax::{self, PropertyKind};
 
 impl Checker {
     pub(super) fn task(&mut self, id: BodyId, dcl: &syntax::Task) {
-        let mut task = match self.bodies[id].tasks.get_mut(&dcl.name.text) {
-            Some(known) => std::mem::replace(known, empty(&dcl.name)),
-            None => empty(&dcl.name),
-        };
+        let new = || Task::new(dcl.name.text.clone(), dcl.name.span);
+        let known = self.bodies[id].tasks.get_mut(&dcl.name.text);
+        let mut task = known.map_or_else(new, |known| std::mem::replace(known, new()));
         for property in &dcl.properties {
             self.task_property(id, &mut task, property);
         }
@@ -80,20 +77,5 @@ impl Checker {
                 self.push(Diagnostic::error("E0502", keyword.span, message));
             }
         }
-    }
-}
-
-fn empty(name: &syntax::Name) -> Task {
-    Task {
-        name: name.text.clone(),
-        span: name.span,
-        docs: Vec::new(),
-        period: None,
-        delay: None,
-        priority: None,
-        stack: None,
-        real_time: None,
-        throws: IndexSet::new(),
-        codels: Vec::new(),
     }
 }
