@@ -5,10 +5,12 @@ use genom_description::model::{
 };
 use genom_types::{CompiledPath, DataType, PathError, PathStep};
 
+use super::checker::Checker;
 use super::code::Placed;
+use super::copies::steps;
 use super::cxx::CxxTypes;
 use super::error::LoadError;
-use super::types::{Checker, Kept, ServiceTypes, steps};
+use super::types::{Kept, ServiceTypes};
 use super::way::Way;
 use crate::contract::Difference;
 use crate::cxx::{self, CxxPath, CxxPathError, CxxType, Function};

@@ -5,12 +5,13 @@
 use std::cell::{Cell, OnceCell};
 
 use genom_description::model::{
-    Component as Model, Dialect, Direction, Indexed, Port, PortIx, Service, ServiceIx,
+    Component as Model, Dialect, Indexed, Port, PortIx, Service, ServiceIx, Span,
 };
 use genom_types::{CompiledPath, DataType, PathStep, Record};
 
-use super::error::LoadError;
-use super::types::{Checker, ServiceTypes, steps};
+use super::checker::Checker;
+use super::copies::{Copies, Place};
+use super::types::ServiceTypes;
 use crate::cxx::{CxxPath, CxxPathError, CxxType, Object, copy, to_cxx};
 
 /// Types of a component in C++; `None` for a wrong one, which was reported.
@@ -26,12 +27,7 @@ pub(super) struct CxxService {
     pub(super) input: CxxType,
     pub(super) output: CxxType,
     pub(super) local: CxxType,
-    /// The copies are those of [`ServiceTypes`].
-    pub(super) inout: Vec<Transfer>,
-    pub(super) store: Vec<Transfer>,
-    pub(super) store_validated: Vec<Transfer>,
-    pub(super) fetch: Vec<Transfer>,
-    pub(super) current: Vec<Transfer>,
+    pub(super) copies: Copies<Transfer>,
 }
 
 /// A value to copy.
@@ -79,20 +75,8 @@ impl CxxTypes {
 }
 
 /// The type in C++; records an error if there is none.
-fn in_cxx(
-    checker: &mut Checker<'_>,
-    c: &DataType,
-    what: &str,
-    span: genom_description::model::Span,
-) -> Option<CxxType> {
-    match CxxType::new(c) {
-        Ok(ty) => Some(ty),
-        Err(why) => {
-            let (what, place, why) = (what.to_owned(), (checker.locate)(span), why.to_string());
-            checker.errors.push(LoadError::Type { what, place, why });
-            None
-        }
-    }
+fn in_cxx(checker: &mut Checker<'_>, c: &DataType, what: &str, span: Span) -> Option<CxxType> {
+    checker.made(CxxType::new(c), what, span)
 }
 
 impl CxxService {
@@ -107,69 +91,22 @@ impl CxxService {
         let input = in_cxx(checker, &types.input, &what("inputs"), service.span);
         let output = in_cxx(checker, &types.output, &what("outputs"), service.span);
         let local = in_cxx(checker, &types.local, &what("local variables"), service.span);
-        let mut new = Self {
-            input: input?,
-            output: output?,
-            local: local?,
-            inout: Vec::new(),
-            store: Vec::new(),
-            store_validated: Vec::new(),
-            fetch: Vec::new(),
-            current: Vec::new(),
+        let (input, output, local) = (input?, output?, local?);
+        let object = |place: &Place<'_, CxxType>| match place {
+            Place::Input(rank) => CxxPath::new(&input, &[PathStep::Member(*rank)]),
+            Place::Output(rank) => CxxPath::new(&output, &[PathStep::Member(*rank)]),
+            Place::Ids(ids, steps) => CxxPath::new(ids, steps),
         };
-        let (mut inputs, mut outputs) = (0.., 0..);
-        for parameter in &service.parameters {
-            let from = (parameter.direction != Direction::Out).then(|| inputs.next()).flatten();
-            let to = (parameter.direction != Direction::In).then(|| outputs.next()).flatten();
-            let place = parameter.target.as_ref().map(|target| steps(&target.path));
-            if let Err(why) = new.add(types, (from, to), place.as_deref(), ids, dialect) {
-                let place = (checker.locate)(parameter.span);
-                let what = format!("parameter `{}` of `{}`", parameter.name, service.name);
-                checker.errors.push(LoadError::Type { what, place, why: why.to_string() });
-            }
-        }
-        Some(new)
-    }
-
-    /// Adds the copies of a parameter, as [`ServiceTypes`] does for records.
-    fn add(
-        &mut self,
-        types: &ServiceTypes,
-        (from, to): (Option<usize>, Option<usize>),
-        place: Option<&[PathStep]>,
-        ids: Option<&CxxType>,
-        dialect: Dialect,
-    ) -> Result<(), CxxPathError> {
-        let request = |rank| {
-            let path = CompiledPath::new(&types.input, &[PathStep::Member(rank)]);
-            path.map(From::Request).map_err(CxxPathError::from)
-        };
-        let output = |this: &Self, rank| CxxPath::new(&this.output, &[PathStep::Member(rank)]);
-        if let (Some(from), Some(to)) = (from, to) {
-            let to = output(self, to)?;
-            self.inout.push(Transfer { from: request(from)?, to });
-        }
-        let (Some(place), Some(ids)) = (place, ids) else { return Ok(()) };
-        let place = CxxPath::new(ids, place)?;
-        if let Some(rank) = from {
-            let to = CxxPath::new(&self.input, &[PathStep::Member(rank)])?;
-            self.current.push(Transfer { from: From::Object(place.clone()), to });
-        }
-        match (from, to) {
-            (Some(_), Some(rank)) if dialect != Dialect::Current => {
-                let from = From::Object(output(self, rank)?);
-                self.store_validated.push(Transfer { from, to: place.clone() });
-            }
-            (Some(rank), _) => {
-                self.store.push(Transfer { from: request(rank)?, to: place.clone() });
-            }
-            (None, _) => {}
-        }
-        if let Some(rank) = to {
-            let to = output(self, rank)?;
-            self.fetch.push(Transfer { from: From::Object(place), to });
-        }
-        Ok(())
+        let copies = Copies::new(checker, service, ids, dialect, |from, to| {
+            let from = match from {
+                Place::Input(rank) => {
+                    From::Request(CompiledPath::new(&types.input, &[PathStep::Member(*rank)])?)
+                }
+                place => From::Object(object(place)?),
+            };
+            Ok::<_, CxxPathError>(Transfer { from, to: object(to)? })
+        });
+        Some(Self { input, output, local, copies })
     }
 }
 
@@ -202,7 +139,7 @@ impl Objects {
         self.output.clear();
         self.local.clear();
         self.input.set(request);
-        self.transfer(&types.inout, request, self.output.at(), self.output.at());
+        self.transfer(&types.copies.inout, request, self.output.at(), self.output.at());
     }
 
     /// Codels may have changed the outputs: discards the computed ones.

@@ -196,7 +196,7 @@ impl Frame for BoundFrame {
             return;
         };
         let (from, to) = (self.input.as_ptr(), self.output.as_mut_ptr());
-        self.copy(&types.inout, from, to);
+        self.copy(&types.copies.inout, from, to);
     }
 
     fn number(&mut self, activity: u32) {
@@ -208,14 +208,14 @@ impl Frame for BoundFrame {
         let ids = self.ids();
         if let Some((types, objects, input)) = self.in_cxx() {
             let output = objects.output.at();
-            objects.transfer(&types.store, input, output, ids);
-            objects.transfer(&types.store_validated, input, output, ids);
+            objects.transfer(&types.copies.store, input, output, ids);
+            objects.transfer(&types.copies.store_validated, input, output, ids);
             return;
         }
         let types = self.service.and_then(|rank| self.inner.services.get(rank));
         if let Some(types) = types {
-            self.copy(&types.store, self.input.as_ptr(), self.ids());
-            self.copy(&types.store_validated, self.output.as_ptr(), self.ids());
+            self.copy(&types.copies.store, self.input.as_ptr(), self.ids());
+            self.copy(&types.copies.store_validated, self.output.as_ptr(), self.ids());
         }
     }
 
@@ -223,13 +223,13 @@ impl Frame for BoundFrame {
         let ids = self.ids();
         if let Some((types, objects, input)) = self.in_cxx() {
             objects.changed();
-            objects.transfer(&types.fetch, input, ids, objects.output.at());
+            objects.transfer(&types.copies.fetch, input, ids, objects.output.at());
             return;
         }
         let to = self.output.as_mut_ptr();
         let types = self.service.and_then(|rank| self.inner.services.get(rank));
         if let Some(types) = types {
-            self.copy(&types.fetch, self.ids(), to);
+            self.copy(&types.copies.fetch, self.ids(), to);
         }
     }
 
@@ -246,13 +246,13 @@ impl Frame for BoundFrame {
     fn current(&mut self, inputs: &mut Record) {
         let ids = self.ids();
         if let Some((types, objects, input)) = self.in_cxx() {
-            objects.transfer(&types.current, input, ids, objects.input.at());
+            objects.transfer(&types.copies.current, input, ids, objects.input.at());
             objects.input.get(inputs);
             return;
         }
         let types = self.service.and_then(|rank| self.inner.services.get(rank));
         if let Some(types) = types {
-            self.copy(&types.current, self.ids(), inputs.as_mut_ptr());
+            self.copy(&types.copies.current, self.ids(), inputs.as_mut_ptr());
         }
     }
 

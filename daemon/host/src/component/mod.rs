@@ -1,9 +1,11 @@
 //! A component's code and memory: the runtime's `Body`.
 
 mod call;
+mod checker;
 mod code;
 mod codel;
 mod convert;
+mod copies;
 mod cxx;
 mod error;
 mod exchange;
@@ -34,9 +36,9 @@ use serde_json::Value;
 
 use crate::contract;
 use crate::library::{Contents, Library};
+use checker::Checker;
 use inner::Inner;
 use parts::Parts;
-use types::Checker;
 
 /// One instance of a component: its private copy of the library, its IDS, ports and remotes.
 ///

@@ -9,12 +9,13 @@ use genom_elf::languages;
 use genom_runtime::plan::{Event, Meaning, Plan};
 use genom_types::{DataType, Kind, Record, ScopedName, TypeTable};
 
+use super::checker::Checker;
 use super::code::{Code, Placed};
 use super::codel::{Prepared, Workshop};
 use super::cxx::CxxTypes;
 use super::error::LoadError;
 use super::inner::{AllDescribed, Ids, InCpp, Inner, Meant, Memory, Owned};
-use super::types::{Checker, ServiceTypes};
+use super::types::ServiceTypes;
 use crate::context::Contexts;
 use crate::cxx::{CxxType, DetailError, Exceptions, Object};
 use crate::detail::{Details, MWERR, SYSERR, UNKEX};
