@@ -22,6 +22,7 @@ mod far;
 mod frames;
 mod http;
 mod inputs;
+mod keys;
 mod names;
 mod patience;
 mod picture;

@@ -1,11 +1,13 @@
 //! Rates of a port, computed from two readings of its counters: exact at any rate.
 
+use clap_complete::engine::ArgValueCompleter;
 use genom_protocol::{Address, Traffic, routes};
 use serde_json::{Value, json};
 use tokio::signal::unix::{SignalKind, signal};
 
+use crate::complete::Names;
 use crate::failure::Failure;
-use crate::names::element;
+use crate::names::{address, element};
 use crate::session::Session;
 
 /// Unit of the intervals whose squares are summed, in nanoseconds.
@@ -73,9 +75,12 @@ impl Rate {
     }
 }
 
-/// Options for watching the traffic of a port.
+/// The traffic of a port, as the command line asks for it.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Watch {
+    /// The port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.
+    #[arg(value_parser = address, add = ArgValueCompleter::from(Names::Ports))]
+    port: Address,
     /// Stop after this many lines.
     #[arg(short = 'n', long, value_name = "COUNT")]
     count: Option<u64>,
@@ -92,9 +97,9 @@ impl Watch {
     pub(crate) async fn run(
         &self,
         session: &Session,
-        port: &Address,
         render: fn(&Rate) -> String,
     ) -> Result<(), Failure> {
+        let port = &self.port;
         let show = |rate: &Rate| {
             let text = if session.json { rate.data(port).to_string() } else { render(rate) };
             session.print(&format!("{text}\n"))

@@ -2,13 +2,13 @@
 
 use std::time::Duration;
 
-use crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+use crossterm::event::{Event, KeyCode};
 use genom_drawing::plot::Plot;
-use tokio::sync::mpsc;
 use tokio::time::{MissedTickBehavior, interval};
 
 use super::samples::Samples;
 use crate::failure::Failure;
+use crate::keys::{listen, pressed};
 
 /// Time between two pictures.
 const PICTURE: Duration = Duration::from_millis(50);
@@ -22,7 +22,7 @@ enum Wish {
 /// Shows the plot, with new samples as they come.
 pub(crate) async fn run(samples: &mut Samples, plot: &mut Plot) -> Result<(), Failure> {
     let mut terminal = ratatui::try_init()?;
-    let mut wishes = listen();
+    let mut wishes = listen(wish);
     let mut pictures = interval(PICTURE);
     pictures.set_missed_tick_behavior(MissedTickBehavior::Delay);
     let mut paused = false;
@@ -52,28 +52,9 @@ pub(crate) async fn run(samples: &mut Samples, plot: &mut Plot) -> Result<(), Fa
     outcome
 }
 
-/// Keys are read in a thread of its own, which ends with the process.
-fn listen() -> mpsc::UnboundedReceiver<Wish> {
-    let (sender, receiver) = mpsc::unbounded_channel();
-    std::thread::spawn(move || {
-        while let Ok(event) = event::read() {
-            if let Some(wish) = wish(&event)
-                && sender.send(wish).is_err()
-            {
-                return;
-            }
-        }
-    });
-    receiver
-}
-
 fn wish(event: &Event) -> Option<Wish> {
-    let Event::Key(KeyEvent { kind: KeyEventKind::Press, code, modifiers, .. }) = event else {
-        return None;
-    };
-    match code {
-        KeyCode::Char('c') if modifiers.contains(KeyModifiers::CONTROL) => Some(Wish::Quit),
-        KeyCode::Char('q') | KeyCode::Esc => Some(Wish::Quit),
+    match pressed(event)? {
+        KeyCode::Char('q') => Some(Wish::Quit),
         KeyCode::Char('p' | ' ') => Some(Wish::Pause),
         _ => None,
     }

@@ -2,13 +2,13 @@
 
 use std::time::Duration;
 
-use crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+use crossterm::event::{Event, KeyCode};
 use genom_drawing::top::{Trends, draw};
 use genom_protocol::routes;
-use tokio::sync::mpsc;
 
 use super::snapshot::take;
 use crate::failure::Failure;
+use crate::keys::{listen, pressed};
 use crate::session::Session;
 
 /// A command of the user.
@@ -30,7 +30,7 @@ pub(crate) async fn run(session: &Session, period: Duration) -> Result<(), Failu
     let mut now = take(session).await?;
     let mut before = None;
     let mut terminal = ratatui::try_init()?;
-    let mut wishes = listen();
+    let mut wishes = listen(wish);
     let (mut scroll, mut paused, mut trends) = (0_usize, false, Trends::default());
     let mut ticks = tokio::time::interval(period);
     ticks.tick().await;
@@ -84,33 +84,16 @@ async fn stop(session: &Session) -> String {
     }
 }
 
-/// Keys are read in a thread of its own, which ends with the process.
-fn listen() -> mpsc::UnboundedReceiver<Wish> {
-    let (sender, receiver) = mpsc::unbounded_channel();
-    std::thread::spawn(move || {
-        while let Ok(event) = event::read() {
-            if let Some(wish) = wish(&event)
-                && sender.send(wish).is_err()
-            {
-                return;
-            }
-        }
-    });
-    receiver
-}
-
 fn wish(event: &Event) -> Option<Wish> {
-    match event {
-        Event::Resize(..) => Some(Wish::Redraw),
-        Event::Key(KeyEvent { kind: KeyEventKind::Press, code, modifiers, .. }) => match code {
-            KeyCode::Char('c') if modifiers.contains(KeyModifiers::CONTROL) => Some(Wish::Quit),
-            KeyCode::Char('q') | KeyCode::Esc => Some(Wish::Quit),
-            KeyCode::Char('p' | ' ') => Some(Wish::Pause),
-            KeyCode::Char('s') => Some(Wish::Stop),
-            KeyCode::Up | KeyCode::Char('k') => Some(Wish::Up),
-            KeyCode::Down | KeyCode::Char('j') => Some(Wish::Down),
-            _ => None,
-        },
+    if let Event::Resize(..) = event {
+        return Some(Wish::Redraw);
+    }
+    match pressed(event)? {
+        KeyCode::Char('q') => Some(Wish::Quit),
+        KeyCode::Char('p' | ' ') => Some(Wish::Pause),
+        KeyCode::Char('s') => Some(Wish::Stop),
+        KeyCode::Up | KeyCode::Char('k') => Some(Wish::Up),
+        KeyCode::Down | KeyCode::Char('j') => Some(Wish::Down),
         _ => None,
     }
 }

@@ -1,13 +1,8 @@
 //! `genomctl bw`: the bandwidth of a port.
 
-use genom_protocol::Address;
-
-use crate::complete::Names;
 use crate::failure::Failure;
-use crate::names::address;
 use crate::session::Session;
 use crate::traffic::{Rate, Watch};
-use clap_complete::engine::ArgValueCompleter;
 use genom_drawing::units::bytes;
 
 /// Show the bandwidth of a port: bytes per second that its component writes or reads.
@@ -16,15 +11,12 @@ use genom_drawing::units::bytes;
 /// measured only while this command runs.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.
-    #[arg(value_parser = address, add = ArgValueCompleter::from(Names::Ports))]
-    port: Address,
     #[command(flatten)]
     watch: Watch,
 }
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    args.watch.run(session, &args.port, render).await
+    args.watch.run(session, render).await
 }
 
 fn render(rate: &Rate) -> String {
