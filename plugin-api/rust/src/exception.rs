@@ -76,18 +76,9 @@ pub struct Syserr {
 
 impl Exception for Syserr {
     const ID: &'static CStr = c"::genom::syserr";
-    const TYPE: *const TypeDescriptor = &TypeDescriptor {
-        kind: Kind::EXCEPTION,
-        reserved: 0,
-        name: Self::ID.as_ptr(),
-        size: size_of::<Self>(),
-        align: align_of::<Self>(),
-        bound: 0,
-        element: std::ptr::null(),
-        members: List::new(
-            const { &[MemberDescriptor { name: c"code".as_ptr(), offset: 0, ty: i32::TYPE }] },
-        ),
-    };
+    const TYPE: *const TypeDescriptor = &described::<Self>(
+        const { &[MemberDescriptor { name: c"code".as_ptr(), offset: 0, ty: i32::TYPE }] },
+    );
 }
 
 /// `::genom::unkex`: an error that the `.gen` file does not declare, with a message.
@@ -108,22 +99,24 @@ impl Unkex {
 
 impl Exception for Unkex {
     const ID: &'static CStr = c"::genom::unkex";
-    const TYPE: *const TypeDescriptor = &TypeDescriptor {
+    const TYPE: *const TypeDescriptor = &described::<Self>(
+        const {
+            let ty = BoundedString::<128>::TYPE;
+            &[MemberDescriptor { name: c"what".as_ptr(), offset: 0, ty }]
+        },
+    );
+}
+
+/// The descriptor of an exception with these members.
+const fn described<E: Exception>(members: &'static [MemberDescriptor]) -> TypeDescriptor {
+    TypeDescriptor {
         kind: Kind::EXCEPTION,
         reserved: 0,
-        name: Self::ID.as_ptr(),
-        size: size_of::<Self>(),
-        align: align_of::<Self>(),
+        name: E::ID.as_ptr(),
+        size: size_of::<E>(),
+        align: align_of::<E>(),
         bound: 0,
         element: std::ptr::null(),
-        members: List::new(
-            const {
-                &[MemberDescriptor {
-                    name: c"what".as_ptr(),
-                    offset: 0,
-                    ty: BoundedString::<128>::TYPE,
-                }]
-            },
-        ),
-    };
+        members: List::new(members),
+    }
 }
