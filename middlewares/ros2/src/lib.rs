@@ -84,6 +84,7 @@ mod rosout;
 mod runs;
 mod server;
 mod services;
+mod settled;
 mod typed;
 mod used;
 mod within;

@@ -1,6 +1,6 @@
 //! Addresses claimed by our ends, and conflicts with the ends of others.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use genom_middleware::{Address, OpenError};
@@ -9,6 +9,7 @@ use genom_rosidl::TypeName;
 use super::ends::{Entities, Made, Own, Wanted, kind_of};
 use super::known::{Graph, State};
 use crate::conflict::{Conflict, GRACE, is_alone, is_port};
+use crate::settled::settled;
 
 /// Keeps an end of ours registered, here and for others.
 pub(crate) struct Claim {
@@ -34,15 +35,15 @@ impl Graph {
         wanted: Wanted,
         announce: Box<dyn Fn() + Send + Sync>,
     ) -> Result<Claim, OpenError> {
-        let end = Instant::now() + GRACE;
-        let mut state = self.lock();
-        while let Some((conflict, ours)) = state.conflict(&wanted) {
-            let left = end.saturating_duration_since(Instant::now());
-            if ours || left.is_zero() {
-                return Err(conflict.refusal(at.clone(), wanted.types));
-            }
-            let waited = self.changed.wait_timeout(state, left);
-            state = waited.unwrap_or_else(PoisonError::into_inner).0;
+        let (mut state, conflict) = settled(
+            &self.changed,
+            self.lock(),
+            Instant::now() + GRACE,
+            |state| state.conflict(&wanted),
+            |conflict| conflict.as_ref().is_none_or(|(_, ours)| *ours),
+        );
+        if let Some((conflict, _)) = conflict {
+            return Err(conflict.refusal(at.clone(), wanted.types));
         }
         let own = Arc::new(Own { wanted, made: Mutex::default() });
         let number = state.next;

@@ -13,6 +13,7 @@ use super::ends::{Entities, Found, Own, Verdict, Wanted, service_of};
 use crate::dds::info::{self, End, Ends};
 use crate::dds::process::Process;
 use crate::rmw::Service;
+use crate::settled::settled;
 
 /// Number of absent daemons whose announcements are kept.
 const MANY: usize = 256;
@@ -111,17 +112,10 @@ impl Graph {
     /// Whether a service exists, and its types if they are known to differ. Waits until `end` for
     /// one that is not known, since discovery takes time.
     pub(crate) fn service(&self, wanted: &Wanted, end: Instant) -> Service {
-        let mut state = self.lock();
-        loop {
-            let found = state.service(wanted);
-            let left = end.saturating_duration_since(Instant::now());
-            if found != Service::Nobody || left.is_zero() {
-                return found;
-            }
-            let waited = self.changed.wait_timeout(state, left);
-            state = waited.unwrap_or_else(PoisonError::into_inner).0;
-        }
+        let known = |found: &Service| *found != Service::Nobody;
+        settled(&self.changed, self.lock(), end, |state| state.service(wanted), known).1
     }
+
     /// A reader of ours was recreated and has another GUID.
     pub(crate) fn renamed(&self, old: GUID, new: GUID) {
         let state = self.lock();

@@ -3,7 +3,7 @@
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use genom_middleware::{Address, Endpoint, EndpointKind, OpenError};
 use genom_rosidl::TypeName;
@@ -13,6 +13,7 @@ use super::refusals::Reason;
 use super::told::Told;
 use crate::conflict::{Conflict, GRACE, is_port};
 use crate::rmw::{Gid, Service, Wanted};
+use crate::settled::settled;
 
 /// Number of ends that may be known of one session: as ROS tells of them, and as daemons do.
 const ENDS: usize = 32_768;
@@ -85,10 +86,6 @@ impl Graph {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn wait<'a>(&self, state: MutexGuard<'a, State>, left: Duration) -> MutexGuard<'a, State> {
-        self.changed.wait_timeout(state, left).unwrap_or_else(PoisonError::into_inner).0
-    }
-
     /// An end of another session appeared. Returns its topic if it is a writer.
     pub(crate) fn found(&self, end: End, gid: Gid) -> Result<Option<String>, Reason> {
         let writes = (end.kind == Kind::Publisher).then(|| end.name.clone());
@@ -146,14 +143,15 @@ impl Graph {
         at: &Address,
         wanted: Wanted,
     ) -> Result<Registered, OpenError> {
-        let end = Instant::now() + GRACE;
-        let mut state = self.lock();
-        while let Some((conflict, ours)) = state.conflict(&wanted) {
-            let left = end.saturating_duration_since(Instant::now());
-            if ours || left.is_zero() {
-                return Err(conflict.refusal(at.clone(), wanted.types));
-            }
-            state = self.wait(state, left);
+        let (mut state, conflict) = settled(
+            &self.changed,
+            self.lock(),
+            Instant::now() + GRACE,
+            |state| state.conflict(&wanted),
+            |conflict| conflict.as_ref().is_none_or(|(_, ours)| *ours),
+        );
+        if let Some((conflict, _)) = conflict {
+            return Err(conflict.refusal(at.clone(), wanted.types));
         }
         let number = state.next;
         state.next += 1;
@@ -164,15 +162,8 @@ impl Graph {
     /// Whether a service exists, and its types if they are known to differ. Waits until `end` for
     /// one that is not known.
     pub(crate) fn service(&self, wanted: &Wanted, end: Instant) -> Service {
-        let mut state = self.lock();
-        loop {
-            let found = state.service(wanted);
-            let left = end.saturating_duration_since(Instant::now());
-            if found != Service::Nobody || left.is_zero() {
-                return found;
-            }
-            state = self.wait(state, left);
-        }
+        let known = |found: &Service| *found != Service::Nobody;
+        settled(&self.changed, self.lock(), end, |state| state.service(wanted), known).1
     }
 
     /// Type and hash, as tokens spell them, of all writers that a reader of this digest can read:
