@@ -281,12 +281,7 @@ impl Errand for Call {
     }
 
     fn lost(mut self: Box<Self>, how: Lost) {
-        let why = match how {
-            Lost::Nobody => CallError::Nobody { address: self.at.clone() },
-            Lost::Gone => CallError::Gone,
-            Lost::Late(after) => CallError::Timeout(after),
-            Lost::Unreachable(why) => failed(why),
-        };
+        let why = how.into_call_error(&self.at);
         self.fail(why);
     }
 

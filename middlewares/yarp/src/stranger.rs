@@ -97,12 +97,7 @@ impl Errand for Request {
     }
 
     fn lost(mut self: Box<Self>, how: Lost) {
-        let why = match how {
-            Lost::Nobody => CallError::Nobody { address: self.at.clone() },
-            Lost::Gone => CallError::Gone,
-            Lost::Late(after) => CallError::Timeout(after),
-            Lost::Unreachable(why) => CallError::Failed { backend: BACKEND.to_owned(), why },
-        };
+        let why = how.into_call_error(&self.at);
         self.finish(Outcome::Lost(why));
     }
 

@@ -2,6 +2,9 @@
 
 use std::time::Duration;
 
+use genom_middleware::{Address, CallError};
+
+use crate::error::BACKEND;
 use crate::wire::Carrier;
 
 /// How long a peer may take until it answers an errand that does not wait.
@@ -56,4 +59,16 @@ pub(crate) enum Lost {
     Gone,
     /// No answer began within this time.
     Late(Duration),
+}
+
+impl Lost {
+    /// What the caller of a service is told.
+    pub(crate) fn into_call_error(self, at: &Address) -> CallError {
+        match self {
+            Lost::Nobody => CallError::Nobody { address: at.clone() },
+            Lost::Gone => CallError::Gone,
+            Lost::Late(after) => CallError::Timeout(after),
+            Lost::Unreachable(why) => CallError::Failed { backend: BACKEND.to_owned(), why },
+        }
+    }
 }
