@@ -109,6 +109,18 @@ pub struct Capabilities {
     pub native_services: bool,
 }
 
+impl Capabilities {
+    /// Those of a middleware that copies samples to any machine.
+    pub const NETWORK: Self = Self {
+        variable_size: true,
+        zero_copy: false,
+        cross_process: true,
+        cross_host: true,
+        services: true,
+        native_services: true,
+    };
+}
+
 /// Input from peers that was refused for one reason.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Refused {

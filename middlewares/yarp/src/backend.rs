@@ -53,14 +53,7 @@ impl Middleware for Yarp {
     }
 
     fn capabilities(&self) -> Capabilities {
-        Capabilities {
-            variable_size: true,
-            zero_copy: false,
-            cross_process: true,
-            cross_host: true,
-            services: true,
-            native_services: true,
-        }
+        Capabilities::NETWORK
     }
 
     fn services(&self) -> Option<&dyn Services> {

@@ -104,14 +104,7 @@ impl Middleware for Zenoh {
     }
 
     fn capabilities(&self) -> Capabilities {
-        Capabilities {
-            variable_size: true,
-            zero_copy: false,
-            cross_process: true,
-            cross_host: true,
-            services: true,
-            native_services: true,
-        }
+        Capabilities::NETWORK
     }
 
     fn meeting_point(&self) -> Vec<(Cow<'static, str>, String)> {

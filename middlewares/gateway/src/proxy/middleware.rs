@@ -17,14 +17,7 @@ impl Middleware for Proxy {
     }
 
     fn capabilities(&self) -> Capabilities {
-        self.shared().about(|about| about.capabilities).unwrap_or(Capabilities {
-            variable_size: true,
-            zero_copy: false,
-            cross_process: true,
-            cross_host: true,
-            services: true,
-            native_services: true,
-        })
+        self.shared().about(|about| about.capabilities).unwrap_or(Capabilities::NETWORK)
     }
 
     fn services(&self) -> Option<&dyn Services> {
