@@ -9,6 +9,14 @@ use genom_types::{DataType, Record};
 use crate::mailbox::{Full, Mailbox, PutError};
 use crate::spares::{Message, Spares};
 
+/// Size of a buffer for messages of the type that avoids later allocation as far as possible: CDR is
+/// seldom larger than the C layout, and never four times as large.
+#[must_use]
+pub fn room_of(ty: &DataType) -> usize {
+    let size = ty.size();
+    if size <= 1 << 16 { size * 4 + 64 } else { size + size / 4 }
+}
+
 /// Samples on their way from a codel to a sending thread. If the thread cannot keep up, the oldest
 /// samples are dropped and counted.
 ///

@@ -5,11 +5,10 @@ use std::sync::atomic::Ordering;
 
 use genom_kit::intake::{Intake, Keeping};
 use genom_kit::mailbox::Mailbox;
-use genom_kit::outlet::Outlet;
+use genom_kit::outlet::{Outlet, room_of};
 use genom_middleware::describe::type_of_port;
 use genom_middleware::{
-    Address, OpenError, Policy, PortSpec, Ports, PublishError, Publisher, ReadError, Reading,
-    Subscription,
+    Address, OpenError, Policy, PortSpec, Ports, Publisher, ReadError, Reading, Subscription,
 };
 use genom_types::{DataType, Record};
 
@@ -22,18 +21,12 @@ use crate::line::Line;
 use crate::mark::{self, Mark, Type};
 use crate::names::{Contact, is_name};
 use crate::out_port::OutPort;
-use crate::port::{Port, Role};
+use crate::port::Role;
 use crate::readers::Part;
 
 /// Greatest number of unsent samples per out port and connection, and of bytes that they may take.
 const UNSENT: usize = 16;
 const UNSENT_BYTES: usize = 1 << 20;
-
-/// Size of a buffer for messages in CDR, which are seldom larger than the C layout.
-fn room(ty: &DataType) -> usize {
-    let size = ty.size();
-    if size <= 1 << 16 { size * 4 + 64 } else { size + size / 4 }
-}
 
 impl Core {
     pub(crate) fn checked_name(&self, at: &Address) -> Result<String, OpenError> {
@@ -104,7 +97,7 @@ impl Ports for Yarp {
         }
         core.check_free(at, &name)?;
         core.waiting_for(port, &name)?;
-        let room = room(ty);
+        let room = room_of(ty);
         let depth = (UNSENT_BYTES / room.max(1)).clamp(2, UNSENT);
         let out = Arc::new(OutPort::new(ty, depth));
         let own = core.open(at, &name, mark::of_port(ty, false), Role::Out(Arc::clone(&out)))?;
@@ -126,8 +119,13 @@ impl Ports for Yarp {
         core.names.announce(&name);
         let outlet = Arc::new(Outlet::new(ty, depth, room));
         let line = Line { outlet: Arc::clone(&outlet), out: Arc::clone(&out) };
-        let line = core.sender.orders().add(line);
-        Ok(Box::new(Out { outlet, out, line, port: own, core: Arc::clone(core) }))
+        let orders = core.sender.orders();
+        let (line, core) = (orders.add(line), Arc::clone(core));
+        let port = genom_kit::out_port::OutPort::new(outlet, orders, line, move |line| {
+            core.sender.orders().remove(line, |_, line| drop(line));
+            core.close(&own);
+        });
+        Ok(Box::new(port.and_lost(move || out.dropped())))
     }
 
     fn subscription(
@@ -148,45 +146,10 @@ impl Ports for Yarp {
         {
             return Err(core.mismatch(at, ty, &theirs));
         }
-        let mailbox = Mailbox::new(depth, room(ty), full).dated();
+        let mailbox = Mailbox::new(depth, room_of(ty), full).dated();
         let inbox = Arc::new(Inbox::new(mailbox));
         let shared = self.readers.join(core, at, &name, ty, &inbox)?;
         Ok(Box::new(In { intake: Intake::new(ty), inbox, counts, _shared: shared }))
-    }
-}
-
-/// The writing end.
-struct Out {
-    outlet: Arc<Outlet>,
-    out: Arc<OutPort>,
-    /// Its number in the sending thread.
-    line: usize,
-    port: Arc<Port>,
-    core: Arc<Core>,
-}
-
-impl Publisher for Out {
-    fn publish(&mut self, value: &Record) -> Result<(), PublishError> {
-        self.outlet.put(value)?;
-        self.core.sender.orders().mark(self.line);
-        Ok(())
-    }
-
-    fn publish_message(&mut self, message: &[u8]) -> Option<Result<(), PublishError>> {
-        let put = self.outlet.put_message(message);
-        self.core.sender.orders().mark(self.line);
-        Some(put)
-    }
-
-    fn dropped(&self) -> u64 {
-        self.outlet.dropped() + self.out.dropped()
-    }
-}
-
-impl Drop for Out {
-    fn drop(&mut self) {
-        self.core.sender.orders().remove(self.line, |_, line| drop(line));
-        self.core.close(&self.port);
     }
 }
 

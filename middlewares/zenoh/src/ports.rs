@@ -7,15 +7,14 @@ use std::sync::atomic::Ordering;
 use std::thread;
 
 use genom_kit::intake::{Intake, Keeping};
-use genom_kit::outlet::Outlet;
+use genom_kit::out_port::OutPort;
+use genom_kit::outlet::{Outlet, room_of};
 use genom_middleware::{
-    EndpointKind, OpenError, Policy, PortSpec, Ports, PublishError, Publisher, ReadError, Reading,
-    Subscription,
+    EndpointKind, OpenError, Policy, PortSpec, Ports, Publisher, ReadError, Reading, Subscription,
 };
-use genom_types::{DataType, Record};
+use genom_types::Record;
 use zenoh::Wait;
 use zenoh::qos::CongestionControl;
-use zenoh::query::Queryable;
 
 use crate::backend::Zenoh;
 use crate::core::{Core, ask};
@@ -28,13 +27,6 @@ use crate::wire::{self, Expected, Mark};
 /// Greatest number of unsent samples per out port, and greatest number of bytes that they may take.
 const UNSENT: usize = 16;
 const UNSENT_BYTES: usize = 1 << 20;
-
-/// Buffer size for messages of the type that avoids later allocation as far as possible: CDR is
-/// seldom larger than the C layout, and never four times as large.
-fn room(ty: &DataType) -> usize {
-    let size = ty.size();
-    if size <= 1 << 16 { size * 4 + 64 } else { size + size / 4 }
-}
 
 /// A number that differs between any two writers of a session, and almost certainly between all.
 fn new_writer() -> u64 {
@@ -71,7 +63,7 @@ impl Ports for Zenoh {
             .congestion_control(CongestionControl::Block)
             .wait()
             .map_err(failed)?;
-        let room = room(ty);
+        let room = room_of(ty);
         let depth = (UNSENT_BYTES / room.max(1)).clamp(1, UNSENT);
         let outlet = Arc::new(Outlet::new(ty, depth, room));
         // The token is declared last, so that a reader that sees it can already query the last
@@ -83,12 +75,14 @@ impl Ports for Zenoh {
             last,
             mark: Mark { writer: new_writer(), number: 0 },
         });
-        Ok(Box::new(ZenohPublisher {
-            outlet,
-            line,
-            shown: Some((queryable, claim)),
-            core: Arc::clone(core),
-        }))
+        // What announces it to others is dropped after the last sample was sent.
+        let (core, shown) = (Arc::clone(core), (queryable, claim));
+        Ok(Box::new(OutPort::new(outlet, self.core.orders(), line, move |line| {
+            core.orders().remove(line, |_, line| {
+                drop(line);
+                drop(shown);
+            });
+        })))
     }
 
     fn subscription(
@@ -118,44 +112,6 @@ impl Ports for Zenoh {
             _claim: claim,
             _core: Arc::clone(core),
         }))
-    }
-}
-
-/// An out port.
-pub(crate) struct ZenohPublisher {
-    outlet: Arc<Outlet>,
-    /// Its number in the sending thread.
-    line: usize,
-    /// Announces it to others; dropped after the last sample was sent.
-    shown: Option<(Queryable<()>, Claim)>,
-    core: Arc<Core>,
-}
-
-impl Publisher for ZenohPublisher {
-    fn publish(&mut self, value: &Record) -> Result<(), PublishError> {
-        self.outlet.put(value)?;
-        self.core.orders().mark(self.line);
-        Ok(())
-    }
-
-    fn publish_message(&mut self, message: &[u8]) -> Option<Result<(), PublishError>> {
-        let put = self.outlet.put_message(message);
-        self.core.orders().mark(self.line);
-        Some(put)
-    }
-
-    fn dropped(&self) -> u64 {
-        self.outlet.dropped()
-    }
-}
-
-impl Drop for ZenohPublisher {
-    fn drop(&mut self) {
-        let shown = self.shown.take();
-        self.core.orders().remove(self.line, |_, line| {
-            drop(line);
-            drop(shown);
-        });
     }
 }
 

@@ -4,18 +4,16 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use genom_kit::intake::{Intake, Keeping};
+use genom_kit::out_port::OutPort;
 use genom_kit::outlet::Outlet;
-use genom_kit::sender::Orders;
 use genom_middleware::{
-    Address, OpenError, Policy, PortSpec, Ports, PublishError, Publisher, ReadError, Reading,
-    Subscription,
+    Address, OpenError, Policy, PortSpec, Ports, Publisher, ReadError, Reading, Subscription,
 };
 use genom_types::{DataType, Definition, Record};
 
 use super::book::{Kind, Shared};
 use super::core::{Held, Proxy};
 use super::lines::{Inbox, Line, Lost};
-use crate::channel::Outgoing;
 use crate::words::{Refusal, What};
 
 /// Samples of an out port that may wait to be sent, unless its quality of service asks for more or
@@ -71,7 +69,13 @@ impl Ports for Proxy {
             return Err(shared.open_error(why, address));
         }
         let held = Held { end, core: Arc::clone(&self.core) };
-        Ok(Box::new(ProxyPublisher { outlet, line, orders, lost, _held: held }))
+        let sending = orders.clone();
+        let port = OutPort::new(outlet, &orders, line, move |line| {
+            // What waits is sent before the end is closed.
+            sending.remove(line, |_, _| {});
+            drop(held);
+        });
+        Ok(Box::new(port.and_lost(move || lost.count())))
     }
 
     fn subscription(
@@ -90,34 +94,6 @@ impl Ports for Proxy {
         opened.map_err(|why| shared.open_error(why, address))?;
         let held = Held { end, core: Arc::clone(&self.core) };
         Ok(Box::new(ProxySubscription { intake: Intake::new(ty), inbox, _held: held }))
-    }
-}
-
-/// An out port. Fields are dropped in order.
-struct ProxyPublisher {
-    outlet: Arc<Outlet>,
-    line: usize,
-    orders: Orders<Outgoing<Line>>,
-    lost: Arc<Lost>,
-    _held: Held,
-}
-
-impl Publisher for ProxyPublisher {
-    fn publish(&mut self, value: &Record) -> Result<(), PublishError> {
-        self.outlet.put(value)?;
-        self.orders.mark(self.line);
-        Ok(())
-    }
-
-    fn dropped(&self) -> u64 {
-        self.outlet.dropped() + self.lost.count()
-    }
-}
-
-impl Drop for ProxyPublisher {
-    fn drop(&mut self) {
-        // What waits is sent before the end is closed.
-        self.orders.remove(self.line, |_, _| {});
     }
 }
 

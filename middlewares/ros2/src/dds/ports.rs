@@ -1,15 +1,14 @@
-//! Ports: how they are opened, and their writing end as the runtime sees it.
+//! Ports: how they are opened.
 
 use std::sync::Arc;
 
-use crate::dds::rustdds::{GUID, RTPSEntity};
+use crate::dds::rustdds::RTPSEntity;
 use genom_kit::intake::Keeping;
 use genom_kit::outlet::Outlet;
-use genom_middleware::{OpenError, Policy, PortSpec, PublishError, Publisher, Subscription};
-use genom_types::Record;
+use genom_middleware::{OpenError, Policy, PortSpec, Publisher, Subscription};
 
 use crate::dds::core::{Core, samples_of};
-use crate::dds::graph::{Claim, Made, Wanted};
+use crate::dds::graph::{Made, Wanted};
 use crate::dds::meetings;
 use crate::dds::sender::Line;
 use crate::dds::wire;
@@ -42,12 +41,12 @@ impl Core {
         let line = core.orders().add(Line::new(writer, topic.clone(), &outlet, feeds));
         let (writers, readers) = (vec![guid.to_bytes()], Vec::new());
         claim.made(Made { writers, readers, offers: Some(of_writer) });
-        Ok(Box::new(OutPort {
-            outlet,
-            line,
-            writer: guid,
-            claim: Some(claim),
-            core: Arc::clone(core),
+        let core = Arc::clone(core);
+        Ok(self.orders().out_port(outlet, line, move |line| {
+            core.orders().remove(line);
+            core.matches.forget(&guid);
+            // Announces it to others until the last sample was sent.
+            drop(claim);
         }))
     }
 
@@ -75,42 +74,5 @@ impl Core {
         // Dropped in order.
         let held = (feed, claim, Arc::clone(core));
         Ok(Box::new(InPort::new(ty, inbox, complain, Box::new(held))))
-    }
-}
-
-/// An out port.
-struct OutPort {
-    outlet: Arc<Outlet>,
-    /// Its number in the sending thread.
-    line: usize,
-    writer: GUID,
-    /// Announces it to others; dropped after the last sample was sent.
-    claim: Option<Claim>,
-    core: Arc<Core>,
-}
-
-impl Publisher for OutPort {
-    fn publish(&mut self, value: &Record) -> Result<(), PublishError> {
-        self.outlet.put(value)?;
-        self.core.orders().mark(self.line);
-        Ok(())
-    }
-
-    fn publish_message(&mut self, message: &[u8]) -> Option<Result<(), PublishError>> {
-        let put = self.outlet.put_message(message);
-        self.core.orders().mark(self.line);
-        Some(put)
-    }
-
-    fn dropped(&self) -> u64 {
-        self.outlet.dropped()
-    }
-}
-
-impl Drop for OutPort {
-    fn drop(&mut self) {
-        self.core.orders().remove(self.line);
-        self.core.matches.forget(&self.writer);
-        self.claim = None;
     }
 }

@@ -10,8 +10,10 @@ use crate::dds::rustdds::bytes::Bytes;
 use crate::dds::rustdds::{GUID, RTPSEntity, Timestamp};
 use genom_kit::complaints::BETWEEN_LINES;
 use genom_kit::lines::Lines;
+use genom_kit::out_port::OutPort;
 use genom_kit::outlet::Outlet;
 use genom_kit::sender::{self, Duty};
+use genom_middleware::Publisher;
 use genom_rtps_guard::Flight;
 
 use crate::dds::feed::Feed;
@@ -180,9 +182,14 @@ impl Orders {
         });
     }
 
-    /// Marks an out port as having something to send. Wait-free.
-    pub(crate) fn mark(&self, line: usize) {
-        self.thread.mark(line);
+    /// The out port of the line with this number, which `end` removes.
+    pub(crate) fn out_port(
+        &self,
+        outlet: Arc<Outlet>,
+        line: usize,
+        end: impl FnOnce(usize) + Send + 'static,
+    ) -> Box<dyn Publisher> {
+        Box::new(OutPort::new(outlet, &self.thread, line, end))
     }
 
     /// Blocks the first out port from sending until the result is dropped.

@@ -1,13 +1,14 @@
-//! Ports: how they are opened, and their writing end as the runtime sees it.
+//! Ports: how they are opened.
 
 use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::Duration;
 
 use genom_kit::intake::Keeping;
+use genom_kit::out_port::OutPort;
 use genom_kit::outlet::Outlet;
-use genom_middleware::{OpenError, Policy, PortSpec, PublishError, Publisher, Subscription};
-use genom_types::{DataType, Kind as TypeKind, Record};
+use genom_middleware::{OpenError, Policy, PortSpec, Publisher, Subscription};
+use genom_types::{DataType, Kind as TypeKind};
 use zenoh::Wait;
 use zenoh::key_expr::OwnedKeyExpr;
 use zenoh::liveliness::LivelinessToken;
@@ -61,12 +62,14 @@ impl Core {
         for reader in self.readers.of(&wanted.of.name) {
             reader.follow(self.session(), &self.graph);
         }
-        Ok(Box::new(OutPort {
-            outlet,
-            line,
-            shown: Some((shown, told, registered)),
-            core: Arc::clone(self),
-        }))
+        // What announces it to others is dropped after the last sample was sent.
+        let (core, shown) = (Arc::clone(self), (shown, told, registered));
+        Ok(Box::new(OutPort::new(outlet, self.orders(), line, move |line| {
+            core.orders().remove(line, |_, line| {
+                drop(line);
+                drop(shown);
+            });
+        })))
     }
 
     fn writer(
@@ -183,42 +186,4 @@ fn may_have_buffers(ty: &DataType) -> bool {
         }
     }
     false
-}
-
-/// An out port.
-struct OutPort {
-    outlet: Arc<Outlet>,
-    /// Its number in the sending thread.
-    line: usize,
-    /// Announces it to others; dropped after the last sample was sent.
-    shown: Option<(Shown, LivelinessToken, Registered)>,
-    core: Arc<Core>,
-}
-
-impl Publisher for OutPort {
-    fn publish(&mut self, value: &Record) -> Result<(), PublishError> {
-        self.outlet.put(value)?;
-        self.core.orders().mark(self.line);
-        Ok(())
-    }
-
-    fn publish_message(&mut self, message: &[u8]) -> Option<Result<(), PublishError>> {
-        let put = self.outlet.put_message(message);
-        self.core.orders().mark(self.line);
-        Some(put)
-    }
-
-    fn dropped(&self) -> u64 {
-        self.outlet.dropped()
-    }
-}
-
-impl Drop for OutPort {
-    fn drop(&mut self) {
-        let shown = self.shown.take();
-        self.core.orders().remove(self.line, |_, line| {
-            drop(line);
-            drop(shown);
-        });
-    }
 }
