@@ -1,11 +1,14 @@
 //! Ends that cannot be at one address, whatever carries ROS.
 
-use std::time::Duration;
+use std::sync::{Condvar, MutexGuard};
+use std::time::{Duration, Instant};
 
 use genom_middleware::{Address, EndpointKind, OpenError};
 
+use crate::settled::settled;
+
 /// How long the news that an end was closed elsewhere may take to arrive.
-pub(crate) const GRACE: Duration = Duration::from_millis(100);
+const GRACE: Duration = Duration::from_millis(100);
 
 /// Why an end cannot be opened where another one is.
 #[derive(Debug, PartialEq, Eq)]
@@ -42,11 +45,26 @@ impl Conflict {
     }
 
     /// The error of whoever wanted to open an end of these types at this address.
-    pub(crate) fn refusal(self, address: Address, ours: String) -> OpenError {
+    fn refusal(self, address: Address, ours: String) -> OpenError {
         match self {
             Self::Types(theirs) => OpenError::TypeMismatch { address, ours, theirs },
             Self::Taken => OpenError::Taken { address },
         }
+    }
+}
+
+/// The state in which an end of these types at this address has no conflict. `look` finds one, and
+/// whether it is with another end of ours: one with somebody else's may be over soon.
+pub(crate) fn unopposed<'a, S>(
+    changed: &Condvar,
+    state: MutexGuard<'a, S>,
+    (at, types): (&Address, &str),
+    look: impl Fn(&S) -> Option<(Conflict, bool)>,
+) -> Result<MutexGuard<'a, S>, OpenError> {
+    let is_last = |found: &Option<(Conflict, bool)>| found.as_ref().is_none_or(|(_, ours)| *ours);
+    match settled(changed, state, Instant::now() + GRACE, look, is_last) {
+        (state, None) => Ok(state),
+        (_, Some((conflict, _))) => Err(conflict.refusal(at.clone(), types.to_owned())),
     }
 }
 

@@ -1,15 +1,13 @@
 //! Addresses claimed by our ends, and conflicts with the ends of others.
 
 use std::sync::{Arc, Mutex};
-use std::time::Instant;
 
 use genom_middleware::{Address, OpenError};
 use genom_rosidl::TypeName;
 
 use super::ends::{Entities, Made, Own, Wanted, kind_of};
 use super::known::{Graph, State};
-use crate::conflict::{Conflict, GRACE, is_alone, is_port};
-use crate::settled::settled;
+use crate::conflict::{Conflict, is_alone, is_port, unopposed};
 
 /// Keeps an end of ours registered, here and for others.
 pub(crate) struct Claim {
@@ -35,16 +33,8 @@ impl Graph {
         wanted: Wanted,
         announce: Box<dyn Fn() + Send + Sync>,
     ) -> Result<Claim, OpenError> {
-        let (mut state, conflict) = settled(
-            &self.changed,
-            self.lock(),
-            Instant::now() + GRACE,
-            |state| state.conflict(&wanted),
-            |conflict| conflict.as_ref().is_none_or(|(_, ours)| *ours),
-        );
-        if let Some((conflict, _)) = conflict {
-            return Err(conflict.refusal(at.clone(), wanted.types));
-        }
+        let look = |state: &State| state.conflict(&wanted);
+        let mut state = unopposed(&self.changed, self.lock(), (at, &wanted.types), look)?;
         let own = Arc::new(Own { wanted, made: Mutex::default() });
         let number = state.next;
         state.next += 1;

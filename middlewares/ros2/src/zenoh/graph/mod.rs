@@ -11,7 +11,7 @@ use genom_rosidl::TypeName;
 use super::keys::{self, End, Id, Kind};
 use super::refusals::Reason;
 use super::told::Told;
-use crate::conflict::{Conflict, GRACE, is_port};
+use crate::conflict::{Conflict, is_port, unopposed};
 use crate::rmw::{Gid, Service, Wanted};
 use crate::settled::settled;
 
@@ -143,16 +143,8 @@ impl Graph {
         at: &Address,
         wanted: Wanted,
     ) -> Result<Registered, OpenError> {
-        let (mut state, conflict) = settled(
-            &self.changed,
-            self.lock(),
-            Instant::now() + GRACE,
-            |state| state.conflict(&wanted),
-            |conflict| conflict.as_ref().is_none_or(|(_, ours)| *ours),
-        );
-        if let Some((conflict, _)) = conflict {
-            return Err(conflict.refusal(at.clone(), wanted.types));
-        }
+        let look = |state: &State| state.conflict(&wanted);
+        let mut state = unopposed(&self.changed, self.lock(), (at, &wanted.types), look)?;
         let number = state.next;
         state.next += 1;
         state.own.insert(number, wanted);
