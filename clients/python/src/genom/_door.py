@@ -136,6 +136,10 @@ class Door:
     def close(self) -> None:
         """Closes the program's end: the daemon stops."""
         self._socket.close()
+        with self._lock:
+            slate, self._slate = self._slate, None
+        if slate is not None:
+            slate.close()
 
     def _ask(self, verb: int, body: bytes) -> bytes:
         with self._lock:

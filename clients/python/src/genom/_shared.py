@@ -8,9 +8,9 @@ from __future__ import annotations
 import ctypes
 import mmap
 import os
-import sys
 from typing import Any, Callable, Dict
 
+from ._slate import FORGET
 from .errors import GenoMError
 from .runner import _numbers
 from .runner._kinds import Kind
@@ -20,8 +20,6 @@ from .runner._types import Types
 
 VALUE_AT = 64
 _GONE_AT = 8
-# Without it, which is so before Python 3.13, the file of each memory stays open here, too.
-_FORGET: Dict[str, Any] = {"trackfd": False} if sys.version_info >= (3, 13) else {}
 
 
 class SharedPort:
@@ -40,7 +38,7 @@ class SharedPort:
         self._forget = forget
         self._kind = _kind(layout)
         # Mapped until the last view is gone.
-        self._memory = mmap.mmap(file, VALUE_AT + self._kind.size, **_FORGET)
+        self._memory = mmap.mmap(file, VALUE_AT + self._kind.size, **FORGET)
         self._written = ctypes.c_uint64.from_buffer(self._memory)
         self._gone = ctypes.c_uint32.from_buffer(self._memory, _GONE_AT)
         self._at = ctypes.addressof(self._written) + VALUE_AT

@@ -8,8 +8,12 @@ from __future__ import annotations
 import mmap
 import os
 import platform
+import sys
 from time import perf_counter
-from typing import Optional
+from typing import Any, Dict, Optional
+
+# Options of a map with which its file need not stay open: before Python 3.13 it does.
+FORGET: Dict[str, Any] = {"trackfd": False} if sys.version_info >= (3, 13) else {}
 
 _SIZE = 192
 # Places of numbers of 32 bits, and of 64.
@@ -27,11 +31,17 @@ class Slate:
     def __init__(self, file: int) -> None:
         """Maps ``file``, and closes it."""
         try:
-            memory = mmap.mmap(file, _SIZE)
+            self._memory = mmap.mmap(file, _SIZE, **FORGET)
         finally:
             os.close(file)
-        self._words = memoryview(memory).cast("I")
-        self._longs = memoryview(memory).cast("Q")
+        self._words = memoryview(self._memory).cast("I")
+        self._longs = memoryview(self._memory).cast("Q")
+
+    def close(self) -> None:
+        """Nobody uses it any more."""
+        self._words.release()
+        self._longs.release()
+        self._memory.close()
 
     @staticmethod
     def serves() -> bool:

@@ -265,6 +265,8 @@ class Daemon(Client):
         """Stops the daemon, and waits for its end."""
         self.disconnect()
         self._finish()
+        # A thread that waits for a step has learnt by now that there is no daemon any more.
+        self._door.close()
 
     def __enter__(self) -> "Daemon":
         return self
