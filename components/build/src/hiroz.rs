@@ -10,15 +10,20 @@ use crate::paths::Paths;
 use crate::python::{made_once, run};
 
 /// A process that runs the node, for [`Peer`](crate::peer::Peer), at the router of this endpoint;
-/// `hiroz/src/main.rs` lists its commands. The first caller builds it, which takes minutes.
+/// `hiroz/src/main.rs` lists its commands, and what other arguments it takes. The first caller builds
+/// it, which takes minutes.
 ///
 /// # Errors
 /// It does not compile, or its crates cannot be fetched.
 pub fn node(router: &str) -> Result<Command, BuildError> {
     let project = Paths::of_workspace()?.root.join("components/build/hiroz");
     let mut hash = DefaultHasher::new();
-    for file in ["Cargo.lock", "Cargo.toml", "src/main.rs"] {
-        let path = project.join(file);
+    let sources = project.join("src");
+    let sources = sources.read_dir().map_err(BuildError::file(&sources))?;
+    let mut files: Vec<_> = sources.flatten().map(|entry| entry.path()).collect();
+    files.extend(["Cargo.lock", "Cargo.toml"].map(|name| project.join(name)));
+    files.sort();
+    for path in files {
         std::fs::read(&path).map_err(BuildError::file(&path))?.hash(&mut hash);
     }
     let place =

@@ -8,21 +8,26 @@
     reason = "test code, also outside of test functions"
 )]
 
+#[path = "hiroz/acts.rs"]
+mod acts;
+#[path = "hiroz/described.rs"]
+mod described;
 #[path = "world/zenoh.rs"]
 mod world;
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use genom_components::hiroz;
 use genom_components::peer::Peer;
 use genom_conformance::eventually;
 use genom_conformance::samples::basic;
 use genom_middleware::{
-    ActivityId, Address, Outcome, Policy, PortSpec, Ports, Reading, Replies, ServiceHandler,
-    ServiceKind, ServiceType, Services,
+    ActivityId, Address, Discovery, EndpointKind, OpenError, Outcome, Policy, PortSpec, Ports,
+    Quality, Reading, Replies, ServiceHandler, ServiceKind, ServiceType, Services,
 };
 use genom_ros2::{Options, Ros2};
-use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeTable};
+use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeId, TypeTable};
 use serde_json::{Value, json};
 use world::Place;
 
@@ -114,14 +119,109 @@ fn a_port_reads_every_sample_that_hiroz_writes_in_order() {
     assert_eq!(reader.dropped(), 0);
 }
 
-fn reset() -> ServiceType {
-    let part = |part: &str| {
-        let mut table = TypeTable::default();
-        let name = ScopedName::new(["demo", "reset", part]);
-        let id = table.add(Kind::Struct { name, members: Vec::<Member>::new() });
-        DataType::new(&Arc::new(table), id).unwrap()
+#[test]
+#[ignore = "hiroz takes minutes to compile: .ci/release runs it"]
+fn late_readers_get_the_last_value_of_hiroz_and_hiroz_that_of_a_port_if_it_is_transient_local() {
+    let place = Place::new();
+    let ros2 = place.open();
+    let quality = Quality { transient_local: Some(true), ..Quality::default() };
+    let at = speed();
+    let mut writer = ros2.publisher(&PortSpec::new(&at, &double()).of(quality)).unwrap();
+    for n in 1..30 {
+        writer.publish(&value(f64::from(n))).unwrap();
+    }
+    let mut node = node(&place);
+    node.ask(&json!(["read", "/demo/speed", FLOAT, FLOAT_HASH, true]));
+    while node.ask(&json!(["sample", "/demo/speed"])) != json!(float(29.0)) {}
+    writer.publish(&value(30.0)).unwrap();
+    assert_eq!(node.ask(&json!(["sample", "/demo/speed"])), float(30.0), "the next one, too");
+
+    node.ask(&json!(["write", "/demo/height", FLOAT, FLOAT_HASH, true]));
+    for n in 1..4 {
+        node.ask(&json!(["put", "/demo/height", float(f64::from(n))]));
+    }
+    let at = Address::new("demo", "height");
+    let mut late = ros2.subscription(&PortSpec::new(&at, &double()), Policy::Latest).unwrap();
+    let mut got = Record::new(&double());
+    eventually("the last value arrives", || {
+        late.read(&mut got).unwrap() == Reading::New && read_of(&got) == 3.0
+    });
+    assert_eq!(late.dropped(), 0);
+}
+
+#[test]
+#[ignore = "hiroz takes minutes to compile: .ci/release runs it"]
+fn what_hiroz_writes_is_listed_until_it_is_closed_or_killed() {
+    let place = Place::new();
+    let ros2 = place.open();
+    let mut node = node(&place);
+    let listed = |name: &str| {
+        let known = ros2.discover().unwrap();
+        known.iter().any(|end| {
+            let writer =
+                (end.kind, end.ty.as_str()) == (EndpointKind::Publisher, "std_msgs/msg/Float64");
+            writer && end.address == name
+        })
     };
-    ServiceType::new(ServiceKind::Function, part("input"), part("output"))
+    for name in ["demo/speed", "demo/height"] {
+        node.ask(&json!(["write", format!("/{name}"), FLOAT, FLOAT_HASH]));
+        eventually("it is listed", || listed(name));
+    }
+    assert_eq!(node.ask(&json!(["close", "/demo/speed"])), true);
+    eventually("the closed one is gone", || !listed("demo/speed"));
+    assert!(listed("demo/height"));
+    // Killed. The lease that hiroz announces is 60 s: its connection tells of its end.
+    drop(node);
+    eventually("the other one is gone", || !listed("demo/height"));
+}
+
+#[test]
+#[ignore = "hiroz takes minutes to compile: .ci/release runs it"]
+fn ends_of_hiroz_whose_type_has_another_hash_are_told_of_with_both_hashes() {
+    let place = Place::new();
+    let ros2 = place.open();
+    let height = Address::new("demo", "height");
+    let _writer = ros2.publisher(&PortSpec::new(&speed(), &double())).unwrap();
+    let _reader = ros2.subscription(&PortSpec::new(&height, &double()), Policy::Latest).unwrap();
+    let mut node = node(&place);
+    let other = FLOAT_HASH.replace('7', "8");
+    node.ask(&json!(["read", "/demo/speed", FLOAT, other]));
+    node.ask(&json!(["write", "/demo/height", FLOAT, other]));
+    for (at, end) in [(speed(), "reader"), (height, "writer")] {
+        let mut told = Vec::new();
+        eventually("it is told", || {
+            told = ros2.obstacles(&at);
+            !told.is_empty()
+        });
+        let what = format!(
+            "a {end} of {at} on ros2 means another structure by std_msgs/msg/Float64: {other}, \
+             and the port {FLOAT_HASH}"
+        );
+        assert_eq!(told.iter().map(|one| &one.what).collect::<Vec<_>>(), [&what]);
+    }
+}
+
+type Make = fn(&mut TypeTable) -> TypeId;
+
+/// `::demo::SERVICE::input` or `output`.
+fn part(service: &str, part: &str, members: &[(&str, Make)]) -> DataType {
+    let mut table = TypeTable::default();
+    let member =
+        |(name, make): &(&str, Make)| Member { name: (*name).to_owned(), ty: make(&mut table) };
+    let members = members.iter().map(member).collect();
+    let name = ScopedName::new(["demo", service, part]);
+    let id = table.add(Kind::Struct { name, members });
+    DataType::new(&Arc::new(table), id).unwrap()
+}
+
+fn reset() -> ServiceType {
+    let (input, output) = (part("reset", "input", &[]), part("reset", "output", &[]));
+    ServiceType::new(ServiceKind::Function, input, output)
+}
+
+fn masquerading(place: &Place) -> Arc<Ros2> {
+    let masquerade = [("::demo::reset".to_owned(), "std_srvs/srv/Trigger".to_owned())].into();
+    Ros2::open(&Options { masquerade, ..place.options() }).unwrap()
 }
 
 /// Refuses all that it is asked.
@@ -140,8 +240,7 @@ impl ServiceHandler for Refuses {
 #[ignore = "hiroz takes minutes to compile: .ci/release runs it"]
 fn hiroz_calls_a_service_and_gets_its_exception() {
     let place = Place::new();
-    let masquerade = [("::demo::reset".to_owned(), "std_srvs/srv/Trigger".to_owned())].into();
-    let ros2 = Ros2::open(&Options { masquerade, ..place.options() }).unwrap();
+    let ros2 = masquerading(&place);
     let at = Address::new("demo", "reset");
     let served = ros2.serve(&at, &reset(), Arc::new(Refuses)).unwrap();
     let mut node = node(&place);
@@ -154,6 +253,43 @@ fn hiroz_calls_a_service_and_gets_its_exception() {
     drop(served);
     let services = |node: &mut Peer| node.ask(&json!(["services"])).to_string();
     eventually("it is gone from the graph", || !services(&mut node).contains("/demo/reset"));
+}
+
+#[test]
+#[ignore = "hiroz takes minutes to compile: .ci/release runs it"]
+fn a_service_of_hiroz_is_called_it_throws_and_one_of_another_hash_is_refused() {
+    let place = Place::new();
+    let ros2 = masquerading(&place);
+    let mut node = node(&place);
+    let responses =
+        json!([{"success": true, "message": ""}, {"success": false, "message": "it is stuck"}]);
+    node.ask(&json!(["serve", "/robot/reset", TRIGGER, TRIGGER_HASH, responses]));
+    let at = Address::new("robot", "reset");
+    let listed = |name: &str| {
+        let known = ros2.discover().unwrap();
+        known.iter().any(|end| end.kind == EndpointKind::Service && end.address == name)
+    };
+    eventually("it is listed", || listed("robot/reset"));
+    let mut client = ros2.client(&at, &reset()).unwrap();
+    let nothing = Record::new(&reset().input);
+    let mut call = || client.call(&nothing, Duration::from_secs(30));
+    let outcome = call();
+    assert!(matches!(outcome, Ok(Outcome::Success(_))), "{outcome:?}");
+    match call() {
+        Ok(Outcome::Exception { detail, .. }) => assert_eq!(detail, json!({"what": "it is stuck"})),
+        other => panic!("no exception: {other:?}"),
+    }
+    assert_eq!(node.ask(&json!(["close", "/robot/reset"])), true);
+    eventually("it is gone", || !listed("robot/reset"));
+
+    let other = TRIGGER_HASH.replace('e', "f");
+    node.ask(&json!(["serve", "/other/reset", TRIGGER, other, responses]));
+    let at = Address::new("other", "reset");
+    eventually("it is refused", || match ros2.client(&at, &reset()) {
+        Err(OpenError::TypeMismatch { theirs, .. }) => theirs.contains(&other),
+        Err(error) => panic!("{error}"),
+        Ok(_) => false,
+    });
 }
 
 #[test]

@@ -45,8 +45,8 @@ fn hiroz_sees_components_by_their_names_and_sets_a_parameter() {
     let arm = format!("/{prefix}/arm");
     assert_eq!(peer.ask(&json!(["nodes", arm])), true);
     assert_eq!(peer.ask(&json!(["nodes", "/base/leg"])), true);
-    let set = peer.ask(&json!(["parameters", "/base", "leg", "velocity", 0.25]));
-    assert_eq!(set, json!({"names": ["use_sim_time", "velocity"], "set": [true], "value": 0.25}));
+    let set = peer.ask(&json!(["parameters", "/base", "leg", "velocity", [0.25]]));
+    assert_eq!((&set["set"], &set["value"]), (&json!([[true, ""]]), &json!(0.25)));
     daemon.ctl(&["call", "leg", "get_speed"]).expect_out("velocity = 0.25\n");
     // Each end is told by itself.
     for (kind, name) in [("topics", "/odom"), ("actions", "/base/leg/goto")] {
