@@ -1,6 +1,10 @@
 //! A daemon whose ROS 2 is over zenoh, and a node made with hiroz, an implementation of ROS 2 that is
 //! not ours: it computes names, types and hashes of ROS's services itself.
 
+mod daemons;
+mod runs;
+mod tells;
+
 use std::fs;
 
 use genom_components::hiroz;
@@ -95,6 +99,10 @@ fn hiroz_configures_activates_and_cleans_up_a_managed_component() {
         let there = peer.ask(&json!(["client", format!("{node}/{name}"), ty, hash]));
         assert_eq!(there, true, "{name}");
     }
+    let events = format!("{node}/transition_event");
+    let told = peer.ask(&json!(["learn", events, true]));
+    assert_eq!(told["type"], "lifecycle_msgs/msg/TransitionEvent");
+    assert_eq!(told["told"], told["hash"], "hiroz computes the same hash of its description");
     // Numbers of `lifecycle_msgs/msg/Transition` and `State`.
     for (transition, state) in [(1, 2), (3, 3), (4, 2), (2, 1)] {
         // CDR: the number, three bytes to the next multiple of four, an empty label.
@@ -104,5 +112,7 @@ fn hiroz_configures_activates_and_cleans_up_a_managed_component() {
         let now = peer.ask(&json!(["call", format!("{node}/get_state"), "0001000000"]));
         let now = now.as_str().unwrap();
         assert!(now.starts_with(&format!("00010000{state:02x}")), "{transition}: {now}");
+        // Its begin is told, too.
+        while peer.ask(&json!(["learned", events]))["goal_state"]["id"] != state {}
     }
 }

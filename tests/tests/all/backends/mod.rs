@@ -1,5 +1,6 @@
 //! Daemons together with foreign programs on the same middleware.
 
+mod cdr;
 mod cold_starts;
 mod container;
 mod forged;

@@ -5,13 +5,8 @@ use genom_components::ros2;
 use genom_tests::{Daemon, Home, component, path, request, until};
 use serde_json::{Value, json};
 
+use super::cdr::{CLOCK, date as date_in_cdr};
 use super::zenoh_node::Node;
-
-/// `rosgraph_msgs/msg/Clock` as its key has it in ROS 2 over zenoh, and its hash as ROS publishes it.
-const CLOCK: [&str; 2] = [
-    "rosgraph_msgs::msg::dds_::Clock_",
-    "RIHS01_692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564",
-];
 
 /// Time of components, in nanoseconds.
 fn now(daemon: &Daemon) -> u64 {
@@ -150,11 +145,7 @@ fn a_simulator_is_followed_over_zenoh_as_well() {
     // Nobody tells when the publisher is known to the daemon.
     until("time passes", || {
         milliseconds += 1;
-        let nanosec = (milliseconds % 1000 * 1_000_000).to_le_bytes();
-        let sec = (milliseconds / 1000).to_le_bytes();
-        let body = [&[0, 1, 0, 0][..], &sec, &nanosec].concat();
-        let body: String = body.iter().map(|byte| format!("{byte:02x}")).collect();
-        peer.ask(&json!(["put", "/clock", body]));
+        peer.ask(&json!(["put", "/clock", date_in_cdr(milliseconds)]));
         now(&daemon) > 0
     });
     assert_eq!(now(&daemon) % 1_000_000, 0);
