@@ -37,7 +37,7 @@ pub(crate) enum Replied {
     Answer(Answer),
     /// It is there, and was not answered for [`AWAKE`]: the other end has to be sent a message.
     Late,
-    /// It was not asked, since the other end sleeps, or one of the two should.
+    /// It was not asked: the other end sleeps, or this one is to sleep until the answer comes.
     Unasked,
 }
 
