@@ -103,7 +103,7 @@ impl System {
                 parts.iter().zip(1..).find_map(|(part, number)| {
                     let limits = all.share(seek_begin, parts.len() - number);
                     let limits = Limits { states: limits.states.min(ZONES), ..limits };
-                    seek(part, times, &limits, &Potential::new(part, times, *task, longest)?)
+                    seek(&limits, &Potential::new(part, times, *task, longest)?)
                 })
             });
             if let Some(run) = run {

@@ -11,9 +11,9 @@ use crate::timed::Times;
 struct Machine {
     begun: u64,
     stop: Option<u64>,
-    /// For each state, the dearest way from it on, the dearest that does not end the activity, and
-    /// what its own codel costs of these.
-    from: Vec<(u64, u64, u64)>,
+    /// For each state, the dearest way from it on, the dearest that does not end the activity if
+    /// there is one, and what its own codel costs of these.
+    from: Vec<(u64, Option<u64>, u64)>,
 }
 
 /// What may follow in one cycle of a task.
@@ -32,15 +32,18 @@ impl Dearest {
                 return Some(None);
             }
             let ways = Ways { system, machine, costs: &costs };
-            let cost = |state: u16, later: bool| ways.from(state, later).ok().map(|way| way.cost);
+            let cost = |state: u16| ways.from(state, false).ok().map(|way| way.cost);
+            let later = |state: u16| {
+                let way = ways.from(state, true).ok()?;
+                Some(Some(way.cost).filter(|_| !way.codels.is_empty()))
+            };
             let own = |state: u16| machine.codel(state).map_or(0, |c| costs[usize::from(c)]);
             let states = 0..small(machine.codels.len());
-            let from =
-                states.map(|state| Some((cost(state, false)?, cost(state, true)?, own(state))));
-            let stop = machine.codel(machine.stop).and_then(|_| cost(machine.stop, false));
-            let all = cost(machine.start, true)?.saturating_add(stop.unwrap_or(0));
+            let from = states.map(|state| Some((cost(state)?, later(state)?, own(state))));
+            let stop = machine.codel(machine.stop).and_then(|_| cost(machine.stop));
+            let all = later(machine.start)?.zip(stop).map(|(way, stop)| way.saturating_add(stop));
             Some(Some(Machine {
-                begun: cost(machine.start, false)?.max(if stop.is_some() { all } else { 0 }),
+                begun: cost(machine.start)?.max(all.unwrap_or(0)),
                 stop,
                 from: from.collect::<Option<_>>()?,
             }))
@@ -62,12 +65,11 @@ impl Dearest {
         self.machine(machine)?.stop
     }
 
-    /// From a state on, with `later` without end of the activity; with `after` without the codel of
-    /// that state itself.
-    pub(crate) fn from(&self, machine: u16, state: u16, later: bool, after: bool) -> u64 {
-        let known = self.machine(machine).and_then(|m| m.from.get(usize::from(state)));
-        let Some((ends, goes_on, own)) = known.copied() else { return 0 };
-        let all = if later { goes_on } else { ends };
-        if after { all.saturating_sub(own) } else { all }
+    /// From a state on, with `later` without end of the activity, if it need not end; with `after`
+    /// without the codel of that state itself.
+    pub(crate) fn from(&self, machine: u16, state: u16, later: bool, after: bool) -> Option<u64> {
+        let (ends, goes_on, own) = *self.machine(machine)?.from.get(usize::from(state))?;
+        let all = if later { goes_on? } else { ends };
+        Some(if after { all.saturating_sub(own) } else { all })
     }
 }

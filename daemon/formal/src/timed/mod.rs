@@ -8,6 +8,9 @@ mod follow;
 #[path = "../../tests/unit/golden.rs"]
 mod golden;
 mod potential;
+#[cfg(test)]
+#[path = "../../tests/unit/potential.rs"]
+mod potential_tests;
 mod report;
 mod respond;
 mod seek;

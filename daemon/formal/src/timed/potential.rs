@@ -7,7 +7,7 @@ use super::clocks::Clock;
 use super::explore::works;
 use super::times::Times;
 use crate::schedule::{CycleLength, Dearest, Does};
-use crate::state::{At, Life, Mode, Pc, Run, State};
+use crate::state::{At, Life, Mode, Pc, Place, Run, State};
 use crate::system::System;
 use genom_timing::Zone;
 
@@ -16,6 +16,8 @@ const LISTS: usize = 1_000;
 
 /// What each state of the machines of a task may lead to in one cycle.
 pub(crate) struct Potential<'a> {
+    pub(super) system: &'a System,
+    pub(super) times: &'a Times,
     pub(super) task: u16,
     pub(super) period: u64,
     dearest: Dearest,
@@ -27,35 +29,30 @@ pub(crate) struct Potential<'a> {
 impl<'a> Potential<'a> {
     /// `None` if a cycle may have no end.
     pub(crate) fn new(
-        system: &System,
-        times: &Times,
+        system: &'a System,
+        times: &'a Times,
         task: u16,
         longest: &'a CycleLength<'a>,
     ) -> Option<Self> {
         let dearest = Dearest::new(system, times, task)?;
         let period = system.periods[usize::from(task)]?.period;
-        Some(Self { task, period, dearest, longest, told: RefCell::default() })
+        Some(Self { system, times, task, period, dearest, longest, told: RefCell::default() })
     }
 
     /// The longest time from its tick to the end of the cycle that a task is in, or of its next one
     /// with the activities that it has.
-    pub(super) fn of(
-        &self,
-        system: &System,
-        times: &Times,
-        state: &State,
-        (clocks, zone): (&[Clock], &Zone),
-    ) -> u64 {
+    pub(super) fn of(&self, state: &State, (clocks, zone): (&[Clock], &Zone)) -> u64 {
         let me = &state.tasks[usize::from(self.task)];
         let begins = matches!(me.at, At::Begin { tick: true });
         if begins || !works(state, usize::from(self.task)) {
-            let waiting = self.waiting(system, state);
-            let stays = |run: &&Run| !self.is_stopped(system, run, &waiting);
+            let waiting = self.waiting(state);
+            let stays = |run: &&Run| !self.is_stopped(run, &waiting);
             let sent = || me.runs.iter().chain(&me.inbox).filter(stays);
-            let runs = sent().map(|run| self.run(system, run, true, None));
+            let runs = sent().map(|run| self.run(run, true, None));
             let more = waiting.iter().map(|machine| self.dearest.begun(*machine));
             let sum = runs.chain(more).fold(0, u64::saturating_add);
-            let listed = if sum < self.period { None } else { listed(system, sent(), &waiting) };
+            let listed =
+                if sum < self.period { None } else { listed(self.system, sent(), &waiting) };
             return listed.map_or(sum, |runs| sum.min(self.walked(runs)));
         }
         let present = match me.at {
@@ -64,21 +61,16 @@ impl<'a> Potential<'a> {
         };
         let runs = me.runs.iter().zip(0u16..).map(|(run, at)| {
             let present = present.filter(|(of, _)| *of == at).map(|(_, place)| place);
-            self.run(system, run, false, present)
+            self.run(run, false, present)
         });
         let rest = runs.fold(0, u64::saturating_add);
-        self.ends(times, state, (clocks, zone)).saturating_add(rest)
+        self.ends(state, (clocks, zone)).saturating_add(rest)
     }
 
     /// When what the task executes ends, from the tick before on; or how old its last tick may be.
-    pub(super) fn progress(
-        &self,
-        times: &Times,
-        state: &State,
-        (clocks, zone): (&[Clock], &Zone),
-    ) -> u64 {
+    pub(super) fn progress(&self, state: &State, (clocks, zone): (&[Clock], &Zone)) -> u64 {
         let before = if works(state, usize::from(self.task)) { self.period } else { 0 };
-        before.saturating_add(self.ends(times, state, (clocks, zone)))
+        before.saturating_add(self.ends(state, (clocks, zone)))
     }
 
     /// How long a cycle may get that begins with these activities.
@@ -90,58 +82,55 @@ impl<'a> Potential<'a> {
     }
 
     /// Machines of activities that were requested and not sent to the task.
-    fn waiting(&self, system: &System, state: &State) -> Vec<u16> {
+    fn waiting(&self, state: &State) -> Vec<u16> {
         let served = state.workers.iter().filter(|worker| worker.pc != Pc::Wake(false));
         let pending = state.pending.iter().map(|pending| pending.service);
         let all = pending
             .chain(served.map(|worker| worker.service))
-            .filter_map(|service| system.services[usize::from(service)].machine);
-        all.filter(|one| system.machines[usize::from(*one)].task == self.task).collect()
+            .filter_map(|service| self.system.services[usize::from(service)].machine);
+        all.filter(|one| self.system.machines[usize::from(*one)].task == self.task).collect()
     }
 
     /// Whether a run is stopped before these activities are sent.
-    fn is_stopped(&self, system: &System, run: &Run, waiting: &[u16]) -> bool {
-        let service = |machine: u16| system.machines[usize::from(machine)].service;
+    fn is_stopped(&self, run: &Run, waiting: &[u16]) -> bool {
+        let service = |machine: u16| self.system.machines[usize::from(machine)].service;
         let mut others = waiting.iter().filter_map(|machine| service(*machine));
-        service(run.machine).is_some_and(|own| others.any(|other| system.interrupts(other, own)))
+        service(run.machine)
+            .is_some_and(|own| others.any(|other| self.system.interrupts(other, own)))
     }
 
     /// What a run may cost from where it is on, without the place that is executed.
-    fn run(&self, system: &System, run: &Run, ticks: bool, present: Option<u16>) -> u64 {
+    fn run(&self, run: &Run, ticks: bool, present: Option<u16>) -> u64 {
         if run.end.is_some() || run.life == Life::Cancelled {
             return 0;
         }
         if run.life == Life::Init {
             return if ticks { self.dearest.begun(run.machine) } else { 0 };
         }
-        let places = || {
-            run.places.iter().zip(0u16..).filter_map(move |(place, at)| {
-                let active = place.mode == Mode::Ready || ticks && place.mode == Mode::Paused;
-                active.then_some((place.state, Some(at) == present))
-            })
+        let from = |(place, at): (&Place, u16), later: bool| {
+            self.dearest.from(run.machine, place.state, later, Some(at) == present)
         };
+        let places = || run.places.iter().zip(0u16..);
+        let active = |mode: Mode| mode == Mode::Ready || ticks && mode == Mode::Paused;
         let sum = |later: bool| {
-            let one = |(state, is_present): (u16, bool)| {
-                self.dearest.from(run.machine, state, later, is_present)
-            };
-            places().map(one).fold(0, u64::saturating_add)
+            let all = places().filter(|(place, _)| active(place.mode));
+            all.filter_map(|one| from(one, later)).fold(0, u64::saturating_add)
         };
-        let ends = sum(false);
-        let stop = self.dearest.stop(run.machine);
-        let asks =
-            run.life == Life::Run && system.machines[usize::from(run.machine)].service.is_some();
-        match stop.filter(|_| asks) {
-            Some(stop) => ends.max(sum(true).saturating_add(stop)),
-            None => ends,
-        }
+        // What is executed and can only end does so whether it is asked to stop or not.
+        let asked = |one: (&Place, u16)| Some(one.1) != present || from(one, true).is_some();
+        let is_asked = run.life == Life::Run
+            && self.system.machines[usize::from(run.machine)].service.is_some()
+            && places().any(|one| one.0.mode != Mode::Done && asked(one));
+        let stop = self.dearest.stop(run.machine).filter(|_| is_asked);
+        sum(false).max(stop.map_or(0, |stop| sum(true).saturating_add(stop)))
     }
 
     /// When what the task executes ends at the latest, from its tick on.
-    fn ends(&self, times: &Times, state: &State, (clocks, zone): (&[Clock], &Zone)) -> u64 {
+    fn ends(&self, state: &State, (clocks, zone): (&[Clock], &Zone)) -> u64 {
         let place =
             |wanted: Clock| clocks.iter().position(|clock| *clock == wanted).map(|at| at + 1);
         let Some(tick) = place(Clock::Tick(self.task)) else { return 0 };
-        let most = |node: u16| times.of(node).most.unwrap_or(0);
+        let most = |node: u16| self.times.of(node).most.unwrap_or(0);
         let ends = |context: u16, node: u16| {
             let begun = place(Clock::Since(context)).and_then(|at| zone.difference(tick, at));
             u64::try_from(begun.unwrap_or(0)).unwrap_or(0).saturating_add(most(node))

@@ -12,25 +12,18 @@ use super::dates::dates;
 use super::explore::{Timed, works};
 use super::potential::Potential;
 use super::table::Table;
-use super::times::Times;
 use crate::action::Action;
 use crate::explore::Limits;
 use crate::state::{Phase, State};
-use crate::system::System;
 
 /// Nodes that were found and not looked at, with what comes first of them; the last one of equal ones.
 type Open = BinaryHeap<((u64, u64), u32)>;
 
 /// A run in which this task is late, if one is found within the limits.
-pub(crate) fn seek(
-    system: &System,
-    times: &Times,
-    limits: &Limits,
-    potential: &Potential<'_>,
-) -> Option<Vec<(State, Action)>> {
+pub(crate) fn seek(limits: &Limits, potential: &Potential<'_>) -> Option<Vec<(State, Action)>> {
     let begin = Instant::now();
-    let task = potential.task;
-    let (given, times) = (times, &times.longest_of(system, task));
+    let Potential { system, times: given, task, .. } = *potential;
+    let times = &given.longest_of(system, task);
     let (mut table, mut open) = (Table::default(), [Open::new(), Open::new()]);
     let first = system.initial(false);
     let zone = initial(system, times, &first)?;
@@ -67,9 +60,9 @@ pub(crate) fn seek(
             let Some(zone) = stepped(system, times, from, *action, (&next, &after)) else {
                 continue;
             };
-            let most = potential.of(system, times, &next, (&after, &zone));
+            let most = potential.of(&next, (&after, &zone));
             let goes_on = u64::from(works(&next, usize::from(task)));
-            let progress = potential.progress(times, &next, (&after, &zone));
+            let progress = potential.progress(&next, (&after, &zone));
             let Some(number) = table.add(&next, zone, (number, step)) else { continue };
             open[0].push(((most, goes_on), number));
             let may_be_late = most >= potential.period;

@@ -1,0 +1,78 @@
+//! How long a cycle may still get never grows while its task is at work: bounds are no lower than any
+//! run, and what has no way left to be late is not looked at first.
+
+#![allow(clippy::unwrap_used)]
+
+use std::sync::Arc;
+
+use genom_description::{Options, read_text};
+use genom_runtime::Plan;
+
+use super::clocks::{Clock, clocks, guarded, initial, stepped};
+use super::explore::works;
+use super::potential::Potential;
+use crate::action::{Action, Answer};
+use crate::bounds::Bounds;
+use crate::random::Random;
+use crate::state::At;
+use crate::system::System;
+
+/// An activity that comes to `stop` by itself.
+const STOPS: &str = "component stops { task t { period 10 ms; };
+  activity a() { task t;
+    codel<start> a_start() yield main wcet 1 ms;
+    codel<main> a_main() yield pause::main, stop wcet 1 ms;
+    codel<stop> a_stop() yield ether wcet 3 ms; };
+};";
+
+/// Takes a random run and looks at what cycles of this task may take, before and after each step in
+/// them, and when the step is taken at the latest; returns how many steps these are.
+fn never_grows(text: &str, task: u16, seed: u64) -> usize {
+    let analysis = read_text("random.gen", text, &Options::default());
+    assert!(!analysis.has_errors(), "{:#?}", analysis.diagnostics);
+    let plan = Arc::new(Plan::new(&Arc::new(analysis.specification), 0).unwrap());
+    let system = System::new(&plan, Bounds { kill: false, fire: false, ..Bounds::default() });
+    let mut times = system.declared_times();
+    times.bound_others(1_000_000);
+    let times = times.longest_of(&system, task);
+    let any = |_: &[_]| u64::MAX;
+    let Some(potential) = Potential::new(&system, &times, task, &any) else { return 0 };
+    let mut state = system.initial(false);
+    let mut zone = initial(&system, &times, &state).unwrap();
+    let (mut before, mut looked, mut random) = (u64::MAX, 0, Random(seed));
+    for _ in 0..4_000 {
+        let known = clocks(&system, &times, &state);
+        let mut all = Vec::new();
+        // An exception of a permanent activity would end the component.
+        let fails = |action: &Action| matches!(action, Action::Return(_, Answer::Fail));
+        for action in system.timed(&state).into_iter().filter(|action| !fails(action)) {
+            let Some(zone) = guarded(&system, &times, (&state, &known), &zone, action) else {
+                continue;
+            };
+            let next = system.after(&state, action, &mut Vec::new());
+            let after = clocks(&system, &times, &next);
+            let tick = known.iter().position(|clock| *clock == Clock::Tick(task)).unwrap();
+            let date = u64::try_from(zone.most(tick + 1).unwrap()).unwrap();
+            let zone = stepped(&system, &times, (&known, &zone), action, (&next, &after));
+            all.extend(zone.map(|zone| (action, date, next, after, zone)));
+        }
+        let at = random.below(all.len());
+        let Some((action, date, next, after, reached)) = all.into_iter().nth(at) else { break };
+        let most = potential.of(&next, (&after, &reached));
+        let begins = matches!(next.tasks[usize::from(task)].at, At::Begin { tick: true });
+        let is_within = works(&next, usize::from(task)) && !begins;
+        let most = if is_within { most } else { u64::MAX };
+        let is_known = before < u64::MAX;
+        let grows = is_known && (date > before || is_within && most > before);
+        assert!(!grows, "{before} ns, then {most}, {action:?} at {date}:\n{state:#?}\n{text}");
+        looked += usize::from(is_known);
+        before = most;
+        (state, zone) = (next, reached);
+    }
+    looked
+}
+
+#[test]
+fn an_activity_that_comes_to_stop_by_itself_is_not_asked_to_stop_again() {
+    assert!(never_grows(STOPS, 0, 1) > 100);
+}
