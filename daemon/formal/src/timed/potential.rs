@@ -139,12 +139,20 @@ impl<'a> Potential<'a> {
             return ends(self.task, node);
         }
         let now = zone.most(tick).and_then(|now| u64::try_from(now).ok()).unwrap_or(0);
-        let Some(node) = state.lock.awaited_by(self.task) else { return now };
-        // The last of those that are at work, then all that are ahead.
-        let held = state.lock.holders().map(|(context, node)| ends(context, node)).max();
-        let queue = state.lock.queue.iter().take_while(|(context, _)| *context != self.task);
-        let queue = queue.map(|(_, node)| most(*node)).fold(0, u64::saturating_add);
-        held.unwrap_or(now).saturating_add(queue).saturating_add(most(node))
+        // Each that waits begins when those have left that are ahead of it and that it excludes.
+        let held = state.lock.holders().map(|(context, node)| (node, ends(context, node)));
+        let mut ahead: Vec<(u16, u64)> = held.collect();
+        for (context, node) in &state.lock.queue {
+            let kept =
+                ahead.iter().filter(|(other, _)| self.system.conflicts.between(*node, *other));
+            let begins = kept.map(|(_, ends)| *ends).max().unwrap_or(now);
+            let ends = begins.saturating_add(most(*node));
+            if *context == self.task {
+                return ends;
+            }
+            ahead.push((*node, ends));
+        }
+        now
     }
 }
 

@@ -17,6 +17,11 @@ use crate::random::Random;
 use crate::state::At;
 use crate::system::System;
 
+#[path = "../sizes/component.rs"]
+mod component;
+#[path = "../conformance/random.rs"]
+mod random;
+
 /// An activity that comes to `stop` by itself.
 const STOPS: &str = "component stops { task t { period 10 ms; };
   activity a() { task t;
@@ -75,4 +80,15 @@ fn never_grows(text: &str, task: u16, seed: u64) -> usize {
 #[test]
 fn an_activity_that_comes_to_stop_by_itself_is_not_asked_to_stop_again() {
     assert!(never_grows(STOPS, 0, 1) > 100);
+}
+
+#[test]
+fn how_long_a_cycle_may_get_never_grows_while_its_task_is_at_work() {
+    let mut looked = 0;
+    for seed in 0..20 {
+        let size = component::Size { tasks: 3, activities: 10, functions: 4 };
+        let text = component::component(&mut random::Random(seed), size);
+        looked += (0..3).map(|task| never_grows(&text, task, seed + 1)).sum::<usize>();
+    }
+    assert!(looked > 10_000, "{looked} steps");
 }
