@@ -46,7 +46,8 @@ impl<'a> Potential<'a> {
         let begins = matches!(me.at, At::Begin { tick: true });
         if begins || !works(state, usize::from(self.task)) {
             let waiting = self.waiting(state);
-            let stays = |run: &&Run| !self.is_stopped(run, &waiting);
+            // Once the tick has come, those that wait may be sent too late for that.
+            let stays = |run: &&Run| begins || !self.is_stopped(run, &waiting);
             let sent = || me.runs.iter().chain(&me.inbox).filter(stays);
             let runs = sent().map(|run| self.run(run, true, None));
             let more = waiting.iter().map(|machine| self.dearest.begun(*machine));
