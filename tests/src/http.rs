@@ -3,6 +3,7 @@
 use std::io::{self, BufRead as _, BufReader, Read as _, Write as _};
 use std::os::unix::net::UnixStream;
 use std::path::Path;
+use std::time::Instant;
 
 use serde_json::Value;
 
@@ -78,10 +79,15 @@ impl Events {
     }
 
     /// Waits for the next event that `wanted` accepts; skips those before it.
+    ///
+    /// # Panics
+    /// If none comes in time.
     #[track_caller]
     pub fn wait_for(&mut self, wanted: impl Fn(&Value) -> bool) -> Value {
-        let mut seen = Vec::new();
+        let (end, mut seen) = (Instant::now() + WATCHDOG, Vec::new());
         loop {
+            // The daemon sends an empty comment now and then, so that reading alone never times out.
+            assert!(Instant::now() < end, "this never came; seen: {seen:#?}");
             let line = match self.lines.next() {
                 Some(Ok(line)) => line,
                 end => panic!("the stream ended ({end:?}); seen: {seen:#?}"),

@@ -208,7 +208,9 @@ def names(of, prefixes=None, depth=None):
 
 
 def client(service, kind):
-    clients[service] = node.create_client(type_of(kind), service)
+    # As many replies as a test asks for at once: unless told so, a client keeps the last ten that came
+    # since it was looked at, and loses those before.
+    clients[service] = node.create_client(type_of(kind), service, qos_profile=QoSProfile(depth=100))
     until(f"the service {service}", clients[service].service_is_ready)
     return "ready"
 

@@ -9,6 +9,7 @@ mod standing;
 mod supervised;
 
 use std::os::fd::OwnedFd;
+use std::pin::Pin;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -410,7 +411,24 @@ impl Cell {
             },
             () = &mut follow => self.for_a_rule(self.end_of(process).await).await,
             limit = self.silent() => self.kill_for(process, End::Silent(limit)).await,
-            () = self.told_to_stop() => self.stop(process).await,
+            () = self.told_to_stop() => self.stop_heard(process, follow).await,
+        }
+    }
+
+    /// Stops it, and hears what it tells until it has ended: of what it unloads, and what it told
+    /// before and was not heard yet.
+    async fn stop_heard(
+        &self,
+        process: &Process,
+        mut follow: Pin<&mut impl Future<Output = ()>>,
+    ) -> End {
+        let mut stop = std::pin::pin!(self.stop(process));
+        tokio::select! {
+            end = &mut stop => {
+                let _ = timeout(NOTICE, follow).await;
+                end
+            }
+            () = &mut follow => stop.await,
         }
     }
 

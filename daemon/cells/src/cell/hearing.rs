@@ -39,7 +39,10 @@ impl Cell {
                 if leaves && !self.is_stopping() {
                     continue;
                 }
-                self.heard(&change);
+                // Of what it held it is asked until it has ended.
+                if !self.is_stopping() {
+                    self.heard(&change);
+                }
                 // Its last component went by itself (service `kill`), and none is being loaded.
                 if self.is_empty() && change["event"] == "component_unloaded" {
                     let turn = self.changing.try_lock();

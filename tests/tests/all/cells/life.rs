@@ -43,6 +43,21 @@ fn what_a_cell_tells_is_heard_at_its_daemon() {
     events.wait_for(|e| e["event"] == "component_unloaded" && e["component"] == "demo");
 }
 
+/// While a cell ends, what it tells is heard as before.
+#[test]
+fn components_of_a_cell_that_is_ended_are_told_to_be_unloaded() {
+    let daemon = Daemon::start(&[]);
+    let mut events = daemon.events();
+    load(&daemon, "demo", &["--name", "a", "--cell", "arm"]);
+    load(&daemon, "demo", &["--name", "b", "--cell", "arm"]);
+    daemon.ctl(&["cells", "--end", "arm"]).expect_code(0);
+    // They stop side by side: which is told first is open.
+    let mut next = || events.wait_for(|e| e["event"] == "component_unloaded")["component"].clone();
+    let mut both = [next(), next()].map(|name| name.as_str().unwrap().to_owned());
+    both.sort_unstable();
+    assert_eq!(both, ["a", "b"]);
+}
+
 #[test]
 fn a_cell_ends_with_its_last_component_and_leaves_nothing() {
     let daemon = Daemon::start(&["--backend", "shm"]);
