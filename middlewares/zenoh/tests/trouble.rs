@@ -155,7 +155,7 @@ fn a_rule_of_access_control_that_keeps_samples_back_is_named() {
                scouting: {{ multicast: {{ enabled: false }} }},
                access_control: {{
                  enabled: true, default_permission: 'allow',
-                 rules: [{{ id: 'still', permission: 'deny', messages: ['put'],
+                 rules: [{{ id: 'still', permission: 'deny', messages: ['put', 'reply'],
                             flows: ['egress'], key_exprs: ['demo/secret'] }}],
                  subjects: [{{ id: 'everybody' }}],
                  policies: [{{ rules: ['still'], subjects: ['everybody'] }}] }} }}"
@@ -181,8 +181,8 @@ fn a_rule_of_access_control_that_keeps_samples_back_is_named() {
             readers[1].read(&mut got).unwrap() == Reading::New && number(&got) == n
         });
     };
-    // Readers ask for the last sample once, which the rule does not keep back. When this arrives, they
-    // have been answered, and there was none.
+    // The rule names replies too: a reader asks its writer for the last sample whenever it learns of
+    // it, be that before or after something was written.
     arrives(&mut writers[1], 7);
     writers[0].publish(&numbered(8)).unwrap();
     arrives(&mut writers[1], 8);
