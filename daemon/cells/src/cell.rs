@@ -9,7 +9,7 @@ mod standing;
 mod supervised;
 
 use std::os::fd::OwnedFd;
-use std::pin::Pin;
+use std::pin::pin;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -403,32 +403,27 @@ impl Cell {
         tracing::info!("cell {cell} {}, process {pid}", if adopted { "found" } else { "runs" });
         self.setup.tell(Told::Cell(Change::CellRuns { cell, pid, adopted }));
         let after = if adopted { None } else { Some(0) };
-        let mut follow = std::pin::pin!(self.follow(after));
-        tokio::select! {
-            end = self.end_of(process) => {
-                let _ = timeout(NOTICE, &mut follow).await;
-                self.for_a_rule(end).await
-            },
-            () = &mut follow => self.for_a_rule(self.end_of(process).await).await,
-            limit = self.silent() => self.kill_for(process, End::Silent(limit)).await,
-            () = self.told_to_stop() => self.stop_heard(process, follow).await,
-        }
+        let end = self.follow_until(after, async {
+            tokio::select! {
+                end = self.end_of(process) => end,
+                limit = self.silent() => self.kill_for(process, End::Silent(limit)).await,
+                () = self.told_to_stop() => self.stop(process).await,
+            }
+        });
+        let end = end.await;
+        self.for_a_rule(end).await
     }
 
-    /// Stops it, and hears what it tells until it has ended: of what it unloads, and what it told
-    /// before and was not heard yet.
-    async fn stop_heard(
-        &self,
-        process: &Process,
-        mut follow: Pin<&mut impl Future<Output = ()>>,
-    ) -> End {
-        let mut stop = std::pin::pin!(self.stop(process));
+    /// Hears what it tells until its process has ended, and what it told before that and was not
+    /// heard yet.
+    async fn follow_until(&self, after: Option<u64>, ended: impl Future<Output = End>) -> End {
+        let (mut follow, mut ended) = (pin!(self.follow(after)), pin!(ended));
         tokio::select! {
-            end = &mut stop => {
+            end = &mut ended => {
                 let _ = timeout(NOTICE, follow).await;
                 end
             }
-            () = &mut follow => stop.await,
+            () = &mut follow => ended.await,
         }
     }
 
