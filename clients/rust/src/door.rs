@@ -6,7 +6,7 @@ use std::io;
 use std::os::fd::OwnedFd;
 use std::sync::Arc;
 
-use genom_lockstep::{self as lockstep, Caller, DONE, Lost};
+use genom_lockstep::{Caller, NotDone, Reply};
 use genom_protocol::{Reason, Refusal};
 use rustix::net::{AddressFamily, Shutdown, SocketFlags, SocketType, shutdown, socketpair};
 
@@ -34,21 +34,13 @@ pub(crate) enum NoReply {
     Refused(Reason),
 }
 
-/// What a request returns.
-pub(crate) struct Reply<'a> {
-    pub(crate) body: &'a [u8],
-    pub(crate) file: Option<OwnedFd>,
-}
-
-impl Reply<'_> {
-    /// The number at this place.
-    pub(crate) fn u32(&self, at: usize) -> Option<u32> {
-        self.body.get(at..)?.first_chunk().map(|bytes| u32::from_ne_bytes(*bytes))
-    }
-
-    /// The long number at this place.
-    pub(crate) fn u64(&self, at: usize) -> Option<u64> {
-        self.body.get(at..)?.first_chunk().map(|bytes| u64::from_ne_bytes(*bytes))
+impl From<NotDone<'_>> for NoReply {
+    fn from(not: NotDone<'_>) -> Self {
+        match not {
+            // Closed, or by something that is no genomd.
+            NotDone::Lost => Self::Closed,
+            NotDone::Refused(text) => Self::Refused(reason(text)),
+        }
     }
 }
 
@@ -62,12 +54,12 @@ impl Door {
 
     /// Asks, and waits for the reply.
     pub(crate) fn ask(&mut self, verb: Verb, body: &[u8]) -> Result<Reply<'_>, NoReply> {
-        done(self.caller.ask(verb as u32, body, None))
+        Ok(self.caller.ask(verb as u32, body, None)?)
     }
 
     /// Advances the clock; returns its time.
     pub(crate) fn step(&mut self, nanoseconds: u64) -> Result<u64, NoReply> {
-        let reply = done(self.caller.ask_short(Verb::Step as u32, Some(nanoseconds)))?;
+        let reply = self.caller.ask_short(Verb::Step as u32, Some(nanoseconds))?;
         reply.u64(0).ok_or(NoReply::Closed)
     }
 
@@ -75,16 +67,6 @@ impl Door {
     pub(crate) fn close(&self) {
         // It may be closed already.
         let _ = shutdown(&**self.caller.socket(), Shutdown::Both);
-    }
-}
-
-/// What was done.
-fn done(replied: Result<lockstep::Reply<'_>, Lost>) -> Result<Reply<'_>, NoReply> {
-    match replied {
-        Ok(reply) if reply.status == DONE => Ok(Reply { body: reply.body, file: reply.file }),
-        Ok(reply) => Err(NoReply::Refused(reason(reply.body))),
-        // Closed, or by something that is no genomd.
-        Err(Lost) => Err(NoReply::Closed),
     }
 }
 

@@ -6,13 +6,13 @@ use std::sync::Arc;
 
 use axum::http::StatusCode;
 use genom_doors::RpcError;
-use genom_lockstep::{Caller, DONE, Lost, Reply};
+use genom_lockstep::{Caller, NotDone, Reply};
 use genom_protocol::{Address, Refusal};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use crate::memory::Memory;
 use crate::port::{LARGEST, no_memory};
-use crate::wire::{Opened, Taken, Verb, word};
+use crate::wire::{Opened, Taken, Verb};
 
 /// One process of a cell.
 #[derive(Debug)]
@@ -59,14 +59,15 @@ impl Far {
 
     /// Advances its clock.
     pub(crate) fn step(&mut self, nanoseconds: u64) -> Result<(), Undone> {
-        let reply = done(self.caller.ask_short(Verb::Step as u32, Some(nanoseconds)))?;
-        self.gone = reply.body.get(8..).and_then(word).ok_or(Undone::Lost)?.0;
+        let reply = self.caller.ask_short(Verb::Step as u32, Some(nanoseconds))?;
+        self.gone = reply.u32(8).ok_or(Undone::Lost)?;
         Ok(())
     }
 
     /// Has it publish what was written to its in ports.
     pub(crate) fn publish(&mut self) -> Result<(), Undone> {
-        done(self.caller.ask_short(Verb::Publish as u32, None)).map(drop)
+        self.caller.ask_short(Verb::Publish as u32, None)?;
+        Ok(())
     }
 
     /// Opens a port; its memory is new.
@@ -100,16 +101,16 @@ impl Far {
         body: &[u8],
         file: Option<BorrowedFd<'_>>,
     ) -> Result<Reply<'_>, Undone> {
-        done(self.caller.ask(verb as u32, body, file))
+        Ok(self.caller.ask(verb as u32, body, file)?)
     }
 }
 
-/// What was done.
-fn done(replied: Result<Reply<'_>, Lost>) -> Result<Reply<'_>, Undone> {
-    match replied {
-        Ok(reply) if reply.status == DONE => Ok(reply),
-        Ok(reply) => Err(Undone::Refused(refused(reply.body))),
-        Err(Lost) => Err(Undone::Lost),
+impl From<NotDone<'_>> for Undone {
+    fn from(not: NotDone<'_>) -> Self {
+        match not {
+            NotDone::Lost => Self::Lost,
+            NotDone::Refused(why) => Self::Refused(refused(why)),
+        }
     }
 }
 
@@ -140,7 +141,7 @@ fn refused(why: &[u8]) -> RpcError {
 mod tests {
     use std::thread;
 
-    use genom_lockstep::End;
+    use genom_lockstep::{DONE, End};
     use rustix::fs::{MemfdFlags, ftruncate, memfd_create};
     use rustix::net::{AddressFamily, SocketFlags, SocketType, socketpair};
 

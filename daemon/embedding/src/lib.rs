@@ -19,6 +19,7 @@ mod places;
 mod port;
 mod program;
 mod session;
+mod short;
 mod who;
 mod wire;
 

@@ -8,15 +8,16 @@ use std::time::Duration;
 
 use genom_cells::Cells;
 use genom_doors::RpcError;
-use genom_lockstep::{Answer, Asked, DONE, End, Heard, Slate};
+use genom_lockstep::{Asked, End, Heard};
 use genom_protocol::{Code, StepRequest};
 use genom_supervisor::Supervisor;
 use tokio::runtime::Handle;
 
 use crate::open::Open;
 use crate::places::Places;
+use crate::short::{Returned, Short, untold};
 use crate::who::Who;
-use crate::wire::{self, LONGEST, REFUSED, Request, Taken, Verb};
+use crate::wire::{self, LONGEST, Request, Taken, Verb};
 
 /// What may be asked on a slate.
 const STEP: u32 = Verb::Step as u32;
@@ -35,14 +36,9 @@ pub(crate) struct Session {
     next: u32,
     /// Whether it was told that a request was none.
     told: bool,
-    /// Where short requests come, if the other end has asked for it.
-    slate: Option<Slate>,
-    /// The last of them, and what it returned, unless it was told since.
-    last: Option<(u32, Result<Returned, RpcError>)>,
+    /// Short requests, if the other end has asked for their slate.
+    short: Option<Short>,
 }
-
-/// What a step returns: the time, and how many ports are not there.
-type Returned = (u64, u32);
 
 impl Session {
     pub(crate) fn new(
@@ -58,8 +54,7 @@ impl Session {
             ports: BTreeMap::new(),
             next: 0,
             told: false,
-            slate: None,
-            last: None,
+            short: None,
         }
     }
 
@@ -68,15 +63,15 @@ impl Session {
         // One byte more than a request has, to notice one that is longer.
         let mut message = [0; LONGEST + 1];
         loop {
-            let heard = match &self.slate {
-                Some(slate) => self.end.hear(&mut message, slate),
+            let heard = match &self.short {
+                Some(short) => self.end.hear(&mut message, &short.slate),
                 None => {
                     let received = self.end.receive(&mut message);
                     received.map(|(count, file)| Heard::Message(count, file))
                 }
             };
             match heard {
-                Ok(Heard::Asked(asked)) => self.short(asked),
+                Ok(Heard::Asked(asked)) => self.answer_short(asked),
                 Ok(Heard::Message(count, file)) if count > 0 => {
                     if self.answer(&message[..count], file).is_err() {
                         break;
@@ -93,8 +88,8 @@ impl Session {
 
     fn answer(&mut self, message: &[u8], file: Option<OwnedFd>) -> io::Result<()> {
         // What is on the slate was asked before: this end slept then.
-        if let Some(asked) = self.slate.as_ref().and_then(Slate::asked) {
-            self.short(asked);
+        if let Some(asked) = self.short.as_ref().and_then(|short| short.slate.asked()) {
+            self.answer_short(asked);
         }
         let (number, asked) = wire::parse(message);
         let done = match asked {
@@ -120,15 +115,19 @@ impl Session {
                 }
             },
             Ok(Request::Publish) => self.publish().map(|()| wire::done(number, &[])),
-            Ok(Request::Slate) => match Slate::new() {
-                Ok((slate, file)) => {
-                    self.slate = Some(slate);
+            Ok(Request::Slate) => match Short::new() {
+                Ok((short, file)) => {
+                    self.short = Some(short);
                     let reply = wire::done(number, &[]);
                     return Ok(self.end.send([&reply, &[]], Some(file.as_fd()))?);
                 }
                 Err(error) => Err(RpcError::internal(format!("no memory is shared: {error}"))),
             },
-            Ok(Request::Tell(asked)) => self.tell(asked).map(|returned| stepped(number, returned)),
+            Ok(Request::Tell(asked)) => {
+                let short = self.short.as_mut().ok_or_else(|| untold(asked));
+                let returned = short.and_then(|short| short.tell(asked));
+                returned.map(|returned| stepped(number, returned))
+            }
             Err(why) => Err(self.none(why)),
         };
         let reply = done.unwrap_or_else(|error| refused(number, error));
@@ -136,18 +135,15 @@ impl Session {
     }
 
     /// Does what is asked on the slate.
-    fn short(&mut self, asked: Asked) {
+    fn answer_short(&mut self, asked: Asked) {
         let returned = match asked.verb {
             STEP => self.step(asked.argument),
             PUBLISH => self.publish().map(|()| (0, 0)),
             _ => Err(self.none("only steps and publish are asked on a slate")),
         };
-        let status = if returned.is_ok() { DONE } else { REFUSED };
-        let (first, second) = *returned.as_ref().unwrap_or(&(0, 0));
-        if let Some(slate) = &self.slate {
-            slate.answer(asked.number, Answer { status, first, second });
+        if let Some(short) = &mut self.short {
+            short.answer(asked.number, returned);
         }
-        self.last = Some((asked.number, returned));
     }
 
     /// A request is none.
@@ -158,17 +154,6 @@ impl Session {
             tracing::warn!("a request of the {who} is none: {why}; others are not told");
         }
         RpcError::conflict(Code::Malformed, format!("the request is none: {why}"))
-    }
-
-    /// What the request of this number on the slate returns.
-    fn tell(&mut self, number: u32) -> Result<Returned, RpcError> {
-        match self.last.take() {
-            Some((last, returned)) if last == number => returned,
-            _ => {
-                let message = format!("the last request on the slate is not {number}, or was told");
-                Err(RpcError::conflict(Code::Malformed, message))
-            }
-        }
     }
 
     /// Steps all.

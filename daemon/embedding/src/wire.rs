@@ -151,7 +151,7 @@ fn take(rest: &[u8]) -> Option<Taken<'_>> {
 }
 
 /// The first number, and what follows.
-pub(crate) fn word(bytes: &[u8]) -> Option<(u32, &[u8])> {
+fn word(bytes: &[u8]) -> Option<(u32, &[u8])> {
     let (word, rest) = bytes.split_first_chunk()?;
     Some((u32::from_ne_bytes(*word), rest))
 }

@@ -34,20 +34,37 @@ pub struct Caller {
     has_asked: bool,
 }
 
-/// A reply.
+/// What was done returns this.
 #[derive(Debug)]
 pub struct Reply<'a> {
-    /// [`DONE`], or something else.
-    pub status: u32,
-    /// What follows.
+    /// What the verb returns.
     pub body: &'a [u8],
     /// What came with it.
     pub file: Option<OwnedFd>,
 }
 
-/// The other end is closed, or answers what is no answer.
+/// Why nothing was done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Lost;
+pub enum NotDone<'a> {
+    /// The other end is closed, or answers what is no answer.
+    Lost,
+    /// It refused, and says this.
+    Refused(&'a [u8]),
+}
+
+impl Reply<'_> {
+    /// The number at this place.
+    #[must_use]
+    pub fn u32(&self, at: usize) -> Option<u32> {
+        self.body.get(at..)?.first_chunk().map(|bytes| u32::from_ne_bytes(*bytes))
+    }
+
+    /// The long number at this place.
+    #[must_use]
+    pub fn u64(&self, at: usize) -> Option<u64> {
+        self.body.get(at..)?.first_chunk().map(|bytes| u64::from_ne_bytes(*bytes))
+    }
+}
 
 impl Caller {
     /// At this end.
@@ -66,22 +83,23 @@ impl Caller {
     /// Asks by message.
     ///
     /// # Errors
-    /// There is no answer to come.
+    /// It was not done.
     pub fn ask(
         &mut self,
         verb: u32,
         body: &[u8],
         file: Option<BorrowedFd<'_>>,
-    ) -> Result<Reply<'_>, Lost> {
+    ) -> Result<Reply<'_>, NotDone<'_>> {
         self.number = self.number.wrapping_add(1);
         let head = [self.number.to_ne_bytes(), verb.to_ne_bytes()];
-        self.end.send([head.as_flattened(), body], file).map_err(|_| Lost)?;
-        let (count, file) = self.end.receive(&mut self.room).map_err(|_| Lost)?;
-        let (head, body) = self.room[..count].split_at_checked(HEAD).ok_or(Lost)?;
+        self.end.send([head.as_flattened(), body], file).map_err(|_| NotDone::Lost)?;
+        let (count, file) = self.end.receive(&mut self.room).map_err(|_| NotDone::Lost)?;
+        let (head, body) = self.room[..count].split_at_checked(HEAD).ok_or(NotDone::Lost)?;
         let (words, _) = head.as_chunks();
         match [words[0], words[1]].map(u32::from_ne_bytes) {
-            [number, status] if number == self.number => Ok(Reply { status, body, file }),
-            _ => Err(Lost),
+            [number, _] if number != self.number => Err(NotDone::Lost),
+            [_, DONE] => Ok(Reply { body, file }),
+            _ => Err(NotDone::Refused(body)),
         }
     }
 
@@ -89,25 +107,30 @@ impl Caller {
     /// ends are awake, else by message.
     ///
     /// # Errors
-    /// There is no answer to come.
-    pub fn ask_short(&mut self, verb: u32, argument: Option<u64>) -> Result<Reply<'_>, Lost> {
+    /// It was not done.
+    pub fn ask_short(
+        &mut self,
+        verb: u32,
+        argument: Option<u64>,
+    ) -> Result<Reply<'_>, NotDone<'_>> {
         if !self.has_asked {
             self.has_asked = true;
             self.slate = self.open_slate()?;
         }
-        let bytes = argument.map(u64::to_ne_bytes);
-        let Some(slate) = &self.slate else {
-            return self.ask(verb, bytes.as_ref().map_or(&[], |bytes| bytes), None);
-        };
         let number = self.number.wrapping_add(1);
         let asked = Asked { number, verb, argument: argument.unwrap_or(0) };
-        match self.end.ask(slate, asked) {
-            Replied::Unasked => self.ask(verb, bytes.as_ref().map_or(&[], |bytes| bytes), None),
+        let replied =
+            self.slate.as_ref().map_or(Replied::Unasked, |slate| self.end.ask(slate, asked));
+        match replied {
+            Replied::Unasked => {
+                let body = argument.map(u64::to_ne_bytes);
+                self.ask(verb, body.as_slice().as_flattened(), None)
+            }
             Replied::Answer(Answer { status: DONE, first, second }) => {
                 self.number = number;
                 self.room[..8].copy_from_slice(&first.to_ne_bytes());
                 self.room[8..12].copy_from_slice(&second.to_ne_bytes());
-                Ok(Reply { status: DONE, body: &self.room[..12], file: None })
+                Ok(Reply { body: &self.room[..12], file: None })
             }
             Replied::Answer(_) | Replied::Late => {
                 self.number = number;
@@ -116,11 +139,13 @@ impl Caller {
         }
     }
 
-    fn open_slate(&mut self) -> Result<Option<Slate>, Lost> {
-        let reply = self.ask(SLATE, &[], None)?;
-        match reply.file {
-            Some(file) if reply.status == DONE => Slate::of(file).map(Some).map_err(|_| Lost),
-            _ => Ok(None),
+    fn open_slate(&mut self) -> Result<Option<Slate>, NotDone<'static>> {
+        match self.ask(SLATE, &[], None) {
+            Ok(Reply { file: Some(file), .. }) => {
+                Slate::of(file).map(Some).map_err(|_| NotDone::Lost)
+            }
+            Err(NotDone::Lost) => Err(NotDone::Lost),
+            Ok(_) | Err(NotDone::Refused(_)) => Ok(None),
         }
     }
 }
@@ -181,22 +206,24 @@ mod tests {
         (caller, answering)
     }
 
-    /// Asks for a step: its status, and what it returns.
-    fn step(caller: &mut Caller, argument: u64) -> (u32, u64, u32) {
-        let reply = caller.ask_short(STEP, Some(argument)).unwrap();
-        let (first, second) = reply.body.split_at(reply.body.len() - 4);
-        let first = first.first_chunk().map_or(0, |bytes| u64::from_ne_bytes(*bytes));
-        (reply.status, first, u32::from_ne_bytes(second.try_into().unwrap()))
+    /// Asks for a step: what it returns, if it is not refused.
+    fn step(caller: &mut Caller, argument: u64) -> Option<(u64, u32)> {
+        let reply = caller.ask_short(STEP, Some(argument));
+        let reply = match reply {
+            Err(NotDone::Refused(_)) => return None,
+            done => done.unwrap(),
+        };
+        Some((reply.u64(0).unwrap(), reply.u32(8).unwrap()))
     }
 
     #[test]
     fn two_ends_that_are_awake_need_one_message_and_one_more_for_a_refusal() {
         let (mut caller, answering) = pair(Duration::MAX, true);
         for argument in [1, 2, u64::MAX] {
-            assert_eq!(step(&mut caller, argument), (DONE, argument, 5));
+            assert_eq!(step(&mut caller, argument), Some((argument, 5)));
         }
-        assert_eq!(step(&mut caller, 0).0, REFUSED);
-        assert_eq!(step(&mut caller, 3), (DONE, 3, 5));
+        assert_eq!(step(&mut caller, 0), None);
+        assert_eq!(step(&mut caller, 3), Some((3, 5)));
         drop(caller);
         assert_eq!(answering.join().unwrap(), (vec![SLATE, TELL], 5));
     }
@@ -206,9 +233,9 @@ mod tests {
         for (looks, has_slate) in [(true, false), (false, true)] {
             let (mut caller, answering) = pair(Duration::MAX, has_slate);
             // The slate is opened first, by message.
-            assert_eq!(step(&mut caller, 1), (DONE, 1, 5));
+            assert_eq!(step(&mut caller, 1), Some((1, 5)));
             caller.end.looks = looks;
-            assert_eq!(step(&mut caller, 2), (DONE, 2, 5));
+            assert_eq!(step(&mut caller, 2), Some((2, 5)));
             drop(caller);
             let (messages, short) = answering.join().unwrap();
             assert_eq!((&messages[..1], messages.last()), (&[SLATE][..], Some(&STEP)));

@@ -14,7 +14,7 @@ mod end;
 mod sealed;
 mod slate;
 
-pub use caller::{Caller, DONE, Lost, Reply, SLATE, TELL};
+pub use caller::{Caller, DONE, NotDone, Reply, SLATE, TELL};
 pub use end::{AWAKE, End, Heard};
 pub use sealed::{checked, sealed};
 pub use slate::{Answer, Asked, Slate};
