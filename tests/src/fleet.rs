@@ -1,4 +1,5 @@
-//! Two daemons that share only zenoh: a robot that requires tokens, and a desk.
+//! Two daemons that share only zenoh, in them or in a library: a robot that requires tokens, and a
+//! desk.
 
 use std::process::Command;
 use std::sync::Arc;
@@ -8,8 +9,31 @@ use crate::{Daemon, Finished, Home, Memory, Running, component, path, program};
 /// A robot with the demo, and a desk without components; they share only zenoh.
 #[must_use]
 pub fn fleet() -> (Daemon, Daemon) {
+    fleet_on("zenoh", "zenoh")
+}
+
+/// The middleware that is zenoh in a library of its own.
+pub const IN_A_LIBRARY: &str = "zenoh_plugin";
+
+/// A directory of a daemon on this middleware, which meets the others there.
+fn home(memory: &Arc<Memory>, backend: &str) -> Home {
+    let home = Home::with(memory);
+    if backend == IN_A_LIBRARY { home.configured(&in_a_library(memory)) } else { home }
+}
+
+/// The section of that middleware: it meets those on zenoh with this memory.
+#[must_use]
+pub fn in_a_library(memory: &Memory) -> String {
+    let library = program("genomd").with_file_name("libgenomd_zenoh_plugin.so");
+    let meeting = memory.root().join("zenoh");
+    format!("[backends.{IN_A_LIBRARY}]\nlibrary = {library:?}\nrendezvous = {meeting:?}\n")
+}
+
+/// The same fleet, with the robot and the desk on these middlewares.
+#[must_use]
+pub fn fleet_on(of_robot: &str, of_desk: &str) -> (Daemon, Daemon) {
     let memory = Arc::new(Memory::new());
-    let robot = Home::with(&memory);
+    let robot = home(&memory, of_robot);
     for (name, rights) in [("watcher", "read"), ("driver", "read,call")] {
         for file in ["tokens.toml", name] {
             let mut command = Command::new(program("genomctl"));
@@ -26,14 +50,14 @@ pub fn fleet() -> (Daemon, Daemon) {
     let demo = component("demo");
     let robot = robot.start(&[
         "--backend",
-        "zenoh",
+        of_robot,
         "--daemon",
         "robot",
         "--token-file",
         "tokens.toml",
         path(&demo.library),
     ]);
-    let desk = Home::with(&memory).start(&["--backend", "zenoh", "--daemon", "desk"]);
+    let desk = home(&memory, of_desk).start(&["--backend", of_desk, "--daemon", "desk"]);
     (robot, desk)
 }
 

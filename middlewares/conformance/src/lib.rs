@@ -36,6 +36,7 @@ mod harness;
 pub mod life;
 pub mod ports;
 pub mod process;
+pub mod relay;
 pub mod samples;
 pub mod services;
 pub mod types;
@@ -106,6 +107,11 @@ macro_rules! __properties {
             services::a_service_of_other_types_is_refused,
             services::services_show_while_they_are_served,
             services::what_a_handler_holds_is_closed_with_its_service,
+            relay::a_daemon_is_asked_by_its_name_and_replies_with_its_identity,
+            relay::a_daemon_that_is_not_there_is_unknown,
+            relay::a_daemon_that_does_not_reply_tells_so,
+            relay::requests_to_daemons_overlap_and_are_answered_apart,
+            relay::a_second_daemon_of_a_name_is_refused,
         }
     };
 }

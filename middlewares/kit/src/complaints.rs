@@ -17,6 +17,12 @@ struct State {
 }
 
 impl Complaints {
+    /// None so far.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self(Mutex::new(State { count: 0, line: None }))
+    }
+
     /// Counts one error. Returns the count so far if a line is due.
     pub fn add(&self) -> Option<u64> {
         self.add_at(Instant::now())

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use genom_middleware::{Address, CallError, OpenError};
+use genom_middleware::{Address, AnnounceError, AskError, CallError, OpenError};
 
 /// What functions of the table return.
 #[repr(transparent)]
@@ -78,6 +78,29 @@ impl Failure {
         }
     }
 
+    /// The error of making a daemon reachable under a name.
+    #[must_use]
+    pub fn announcing(self, backend: &str, name: &str) -> AnnounceError {
+        let (backend, name) = (backend.to_owned(), name.to_owned());
+        match self.code {
+            Code::TAKEN => AnnounceError::Taken { name, backend },
+            _ => AnnounceError::Failed { name, backend, why: self.why() },
+        }
+    }
+
+    /// The error of a request to the daemon of a name.
+    #[must_use]
+    pub fn asking(self, backend: &str, name: &str) -> AskError {
+        let (backend, name) = (backend.to_owned(), name.to_owned());
+        let why = match self.code {
+            Code::NOBODY => return AskError::Unknown { name, backend },
+            Code::TIMEOUT => format!("nothing within {:?}", Duration::from_nanos(self.value)),
+            Code::GONE => "it went away".to_owned(),
+            _ => self.why(),
+        };
+        AskError::Silent { name, backend, why }
+    }
+
     /// Its text, also where the other side gave none.
     #[must_use]
     pub fn why(self) -> String {
@@ -112,6 +135,26 @@ impl From<CallError> for Failure {
             CallError::Gone => Self::new(Code::GONE, ""),
             CallError::Serialization(why) => Self::new(Code::BAD_DATA, why),
             CallError::Failed { why, .. } => Self::new(Code::FAILED, why),
+            other => Self::new(Code::FAILED, other.to_string()),
+        }
+    }
+}
+
+impl From<AnnounceError> for Failure {
+    fn from(error: AnnounceError) -> Self {
+        match error {
+            AnnounceError::Taken { .. } => Self::new(Code::TAKEN, ""),
+            AnnounceError::Failed { why, .. } => Self::new(Code::FAILED, why),
+            other => Self::new(Code::FAILED, other.to_string()),
+        }
+    }
+}
+
+impl From<AskError> for Failure {
+    fn from(error: AskError) -> Self {
+        match error {
+            AskError::Unknown { .. } => Self::new(Code::NOBODY, ""),
+            AskError::Silent { why, .. } => Self::new(Code::FAILED, why),
             other => Self::new(Code::FAILED, other.to_string()),
         }
     }
@@ -158,6 +201,30 @@ mod tests {
         for error in calling {
             assert_eq!(Failure::from(error.clone()).calling(&sides()), error);
         }
+    }
+
+    #[test]
+    fn errors_of_daemons_are_the_same_on_the_other_side() {
+        let (name, backend) = (|| "robot".to_owned(), || "mine".to_owned());
+        let announcing = [
+            AnnounceError::Taken { name: name(), backend: backend() },
+            AnnounceError::Failed { name: name(), backend: backend(), why: "a".into() },
+        ];
+        for error in announcing {
+            assert_eq!(Failure::from(error.clone()).announcing("mine", "robot"), error);
+        }
+        let asking = [
+            AskError::Unknown { name: name(), backend: backend() },
+            AskError::Silent { name: name(), backend: backend(), why: "b".into() },
+        ];
+        for error in asking {
+            assert_eq!(Failure::from(error.clone()).asking("mine", "robot"), error);
+        }
+        let late = Failure { value: 5_000_000, ..Failure::new(Code::TIMEOUT, "") };
+        let told = late.asking("mine", "robot").to_string();
+        assert_eq!(told, "daemon robot on mine does not answer: nothing within 5ms");
+        let told = Failure::new(Code::GONE, "").asking("mine", "robot").to_string();
+        assert!(told.ends_with("it went away"), "{told}");
     }
 
     #[test]

@@ -11,13 +11,13 @@ pub mod table;
 
 pub use codes::{Code, Failure, Sides};
 pub use lent::{Bytes, ErrorText, Str};
-pub use table::{Address, Answer, Host, Plugin, Port, Service, Type};
+pub use table::{Address, Answer, Diagnosis, Entry, Host, Pair, Plugin, Port, Service, Type};
 
 /// A host refuses plugins of another one.
 pub const MAJOR: u16 = 1;
 
 /// Grows when something is added at an end.
-pub const MINOR: u16 = 1;
+pub const MINOR: u16 = 2;
 
 /// What the library exports.
 pub const SYMBOL: &str = "genom_middleware_plugin";

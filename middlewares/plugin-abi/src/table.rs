@@ -19,6 +19,8 @@ pub mod can {
     pub const RT_PUBLISH: u64 = 64;
     pub const LAYOUT: u64 = 128;
     pub const NO_GATEWAY: u64 = 256;
+    pub const RELAY: u64 = 512;
+    pub const REPORTS: u64 = 1024;
 }
 
 /// A flag of [`Type`].
@@ -60,6 +62,20 @@ pub mod endpoint {
     pub const OUT_PORT: u32 = 1;
     pub const IN_PORT: u32 = 2;
     pub const SERVICE: u32 = 3;
+}
+
+/// What of a component a [`Diagnosis`] is about.
+pub mod part {
+    pub const TASK: u32 = 1;
+    pub const CELL: u32 = 2;
+}
+
+/// How it fares.
+pub mod health {
+    pub const GOOD: u32 = 1;
+    pub const LATE: u32 = 2;
+    pub const STUCK: u32 = 3;
+    pub const ENDED: u32 = 4;
 }
 
 /// A handle or what was given: opaque to the other side.
@@ -120,6 +136,39 @@ pub struct Answer {
     pub data: Bytes,
 }
 
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    pub size: usize,
+    pub instance: Str,
+    pub time: i64,
+    pub level: u32,
+    pub line: u32,
+    pub place: Str,
+    pub file: Str,
+    pub message: Str,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Pair {
+    pub name: Str,
+    pub value: Str,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Diagnosis {
+    pub size: usize,
+    pub instance: Str,
+    pub part: u32,
+    pub health: u32,
+    pub name: Str,
+    pub message: Str,
+    pub values: *const Pair,
+    pub count: usize,
+}
+
 /// What the host gives. A function is missing if the host is older.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -138,6 +187,8 @@ pub struct Host {
     pub endpoint: Option<unsafe extern "C" fn(Opaque, u32, Str, Str)>,
     pub text: Option<unsafe extern "C" fn(Opaque, Str, Str)>,
     pub refusal: Option<unsafe extern "C" fn(Opaque, Str, u64, Str)>,
+    pub relayed: Option<unsafe extern "C" fn(Opaque, Opaque, Bytes)>,
+    pub replied: Option<unsafe extern "C" fn(Opaque, Str, Bytes)>,
 }
 
 /// Opens something at an address; what it makes goes into the argument before the last.
@@ -149,6 +200,9 @@ pub type Serve = unsafe extern "C" fn(
     *mut Opaque,
     *mut ErrorText,
 ) -> Code;
+
+/// Sends a request to one end of a daemon; the reply goes into the argument before the last.
+pub type Ask = unsafe extern "C" fn(Opaque, Str, Str, Bytes, u64, Opaque, *mut ErrorText) -> Code;
 
 /// What the plugin gives.
 #[repr(C)]
@@ -196,6 +250,19 @@ pub struct Plugin {
     pub meeting_point: Option<unsafe extern "C" fn(Opaque, Opaque)>,
     pub refused: Option<unsafe extern "C" fn(Opaque, Opaque)>,
     pub trouble: Option<unsafe extern "C" fn(Opaque, Opaque)>,
+    pub announce:
+        Option<unsafe extern "C" fn(Opaque, Str, Opaque, *mut Opaque, *mut ErrorText) -> Code>,
+    pub close_announced: Option<unsafe extern "C" fn(Opaque)>,
+    pub reply_relayed: Option<unsafe extern "C" fn(Opaque, Bytes)>,
+    pub close_relayed: Option<unsafe extern "C" fn(Opaque)>,
+    pub daemons: Option<unsafe extern "C" fn(Opaque, Opaque, *mut ErrorText) -> Code>,
+    pub own: Option<unsafe extern "C" fn(Opaque, Opaque)>,
+    pub ask_all:
+        Option<unsafe extern "C" fn(Opaque, Str, Bytes, u64, Opaque, *mut ErrorText) -> Code>,
+    pub ask: Option<Ask>,
+    pub log: Option<unsafe extern "C" fn(Opaque, *const Entry)>,
+    pub diagnose: Option<unsafe extern "C" fn(Opaque, *const *const Diagnosis, usize)>,
+    pub simulated_time: Option<unsafe extern "C" fn(Opaque)>,
 }
 
 // SAFETY: the strings of a table are constants of its library, which is never unloaded; the rest

@@ -8,10 +8,10 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use genom_plugin_abi::codes::Code;
-use genom_plugin_abi::table::{can, endpoint, level, policy, service, what};
+use genom_plugin_abi::table::{can, endpoint, health, level, part, policy, service, what};
 use genom_plugin_abi::{
-    Address, Answer, Bytes, ErrorText, Host, MAJOR, MINOR, Plugin, Port, Service, Str, Type,
-    table::FIXED_SIZE,
+    Address, Answer, Bytes, Diagnosis, Entry, ErrorText, Host, MAJOR, MINOR, Pair, Plugin, Port,
+    Service, Str, Type, table::FIXED_SIZE,
 };
 
 /// Compiles a text that includes the header, without warnings.
@@ -53,15 +53,21 @@ fn every_structure_has_the_layout_of_the_header() {
         size, at, ty as "type", reliable, transient_local, depth, policy, keep);
     layout!(holds, Service, "genom_mw_service": size, kind, input, output, digest, described);
     layout!(holds, Answer, "genom_mw_answer": size, what, code, run, value, name, data);
+    layout!(holds, Entry, "genom_mw_entry":
+        size, instance, time, level, line, place, file, message);
+    layout!(holds, Pair, "genom_mw_pair": name, value);
+    layout!(holds, Diagnosis, "genom_mw_diagnosis":
+        size, instance, part, health, name, message, values, count);
     layout!(holds, Host, "genom_mw_host":
         size, major, minor, flags, host, log, release, sample, request, cancel, answer, endpoint,
-        text, refusal);
+        text, refusal, relayed, replied);
     layout!(holds, Plugin, "genom_mw_plugin":
         size, major, minor, reserved, name, version, capabilities, open, close, publisher, publish,
         close_publisher, subscription, close_subscription, capabilities_of, lost_by_publisher,
         lost_by_subscription, serve, close_served, reply, close_call, client, request, cancel,
         close_run, close_client, discover, ends_at, spelled, strangers, obstacles, masquerade,
-        unmask, meeting_point, refused, trouble);
+        unmask, meeting_point, refused, trouble, announce, close_announced, reply_relayed,
+        close_relayed, daemons, own, ask_all, ask, log, diagnose, simulated_time);
     let text: Vec<String> =
         holds.iter().map(|what| format!("_Static_assert({what}, \"{what}\");")).collect();
     compiles("cc", &["-std=c11"], &text.join("\n"));
@@ -70,11 +76,16 @@ fn every_structure_has_the_layout_of_the_header() {
 /// Tables of libraries and hosts that were built then are read by these offsets.
 #[cfg(target_pointer_width = "64")]
 #[test]
-fn the_tables_of_version_1_0_end_where_they_ended_and_what_came_later_follows() {
+fn the_tables_of_earlier_versions_end_where_they_ended_and_what_came_later_follows() {
     assert_eq!((offset_of!(Plugin, open), offset_of!(Plugin, discover)), (56, 56 + 19 * 8));
     assert_eq!((offset_of!(Plugin, meeting_point), offset_of!(Plugin, refused)), (264, 272));
     assert_eq!((offset_of!(Host, log), offset_of!(Host, endpoint)), (24, 72));
     assert_eq!((offset_of!(Host, text), offset_of!(Host, refusal)), (80, 88));
+    // 1.2
+    assert_eq!((offset_of!(Plugin, trouble), offset_of!(Plugin, announce)), (280, 288));
+    assert_eq!((offset_of!(Plugin, simulated_time), size_of::<Plugin>()), (368, 376));
+    assert_eq!((offset_of!(Host, relayed), offset_of!(Host, replied)), (96, 104));
+    assert_eq!(size_of::<Host>(), 112);
 }
 
 #[test]
@@ -91,6 +102,8 @@ fn every_constant_is_that_of_the_header() {
         ("RT_PUBLISH", can::RT_PUBLISH),
         ("LAYOUT", can::LAYOUT),
         ("NO_GATEWAY", can::NO_GATEWAY),
+        ("RELAY", can::RELAY),
+        ("REPORTS", can::REPORTS),
         ("FIXED_SIZE", FIXED_SIZE.into()),
         ("LATEST", policy::LATEST.into()),
         ("QUEUE", policy::QUEUE.into()),
@@ -110,6 +123,12 @@ fn every_constant_is_that_of_the_header() {
         ("OUT_PORT", endpoint::OUT_PORT.into()),
         ("IN_PORT", endpoint::IN_PORT.into()),
         ("SERVICE", endpoint::SERVICE.into()),
+        ("TASK", part::TASK.into()),
+        ("CELL", part::CELL.into()),
+        ("GOOD", health::GOOD.into()),
+        ("LATE", health::LATE.into()),
+        ("STUCK", health::STUCK.into()),
+        ("ENDED", health::ENDED.into()),
     ];
     let codes = [
         ("OK", Code::OK),

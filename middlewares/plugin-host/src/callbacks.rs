@@ -15,9 +15,10 @@ use genom_plugin_abi::table::{Opaque, endpoint, level};
 use genom_plugin_abi::{Answer, Bytes, Host, MAJOR, MINOR, Str};
 use genom_types::Record;
 
-use crate::calls::Call;
-use crate::given::{Given, Listing, Serving};
+use crate::calls::{Call, Relayed};
+use crate::given::{Given, Serving};
 use crate::library::Library;
+use crate::listing::{self, Listed};
 
 /// The functions, for a library that is not known yet.
 pub(crate) fn table() -> Host {
@@ -36,18 +37,14 @@ pub(crate) fn table() -> Host {
         endpoint: Some(add_endpoint),
         text: Some(add_text),
         refusal: Some(add_refusal),
+        relayed: Some(relayed),
+        replied: Some(add_reply),
     }
 }
 
 /// A pointer to be given to a library, which releases it.
 pub(crate) fn give(given: Given) -> Opaque {
     Arc::into_raw(Arc::new(given)).cast_mut().cast()
-}
-
-/// A pointer to a list, to be lent for the time of a call.
-pub(crate) fn lend(list: &Listing) -> Opaque {
-    let list: *const Listing = list;
-    list.cast_mut().cast()
 }
 
 fn held(work: impl FnOnce()) {
@@ -150,41 +147,61 @@ unsafe extern "C" fn answer(to: Opaque, answer: *const Answer) {
     });
 }
 
-/// # Safety
-/// The list is lent for the call that the library is in.
-unsafe fn listing<'a>(list: Opaque) -> Option<&'a Listing> {
-    // SAFETY: `lend` made it.
-    unsafe { list.cast::<Listing>().as_ref() }
+unsafe extern "C" fn relayed(to: Opaque, relayed: Opaque, request: Bytes) {
+    // SAFETY: given and not released; the bytes are lent.
+    let (given, request) = unsafe { (given(to), request.read()) };
+    if let Some(Given::Daemon(daemon)) = given {
+        held(|| daemon.arrive(Relayed::new(daemon.library, relayed), request));
+    }
 }
 
 unsafe extern "C" fn add_endpoint(list: Opaque, kind: u32, address: Str, ty: Str) {
-    // SAFETY: list and strings are lent.
-    let (list, address, ty) = unsafe { (listing(list), address.read(), ty.read()) };
+    // SAFETY: the strings are lent.
+    let (address, ty) = unsafe { (address.read(), ty.read()) };
     let kind = match kind {
         endpoint::OUT_PORT => EndpointKind::Publisher,
         endpoint::IN_PORT => EndpointKind::Subscription,
         endpoint::SERVICE => EndpointKind::Service,
         _ => return,
     };
-    let (address, ty) = (address.into_owned(), ty.into_owned());
-    if let Some(list) = list {
-        list.add(|listed| listed.endpoints.push(Endpoint { kind, address, ty }));
-    }
+    added(list, address.len() + ty.len(), |listed| {
+        let (address, ty) = (address.into_owned(), ty.into_owned());
+        listed.endpoints.push(Endpoint { kind, address, ty });
+    });
 }
 
 unsafe extern "C" fn add_text(list: Opaque, key: Str, value: Str) {
-    // SAFETY: list and strings are lent.
-    let (list, key, value) = unsafe { (listing(list), key.read(), value.read()) };
-    if let Some(list) = list {
-        list.add(|listed| listed.texts.push((key.into_owned(), value.into_owned())));
-    }
+    // SAFETY: the strings are lent.
+    let (key, value) = unsafe { (key.read(), value.read()) };
+    added(list, key.len() + value.len(), |listed| {
+        listed.texts.push((key.into_owned(), value.into_owned()));
+    });
 }
 
 unsafe extern "C" fn add_refusal(list: Opaque, why: Str, count: u64, peer: Str) {
-    // SAFETY: list and strings are lent.
-    let (list, why, peer) = unsafe { (listing(list), why.read(), peer.read()) };
-    let why = Cow::Owned(why.into_owned());
-    if let Some(list) = list {
-        list.add(|listed| listed.refused.push(Refused { why, count, peer: peer.parse().ok() }));
-    }
+    // SAFETY: the strings are lent.
+    let (why, peer) = unsafe { (why.read(), peer.read()) };
+    added(list, why.len(), |listed| {
+        let why = Cow::Owned(why.into_owned());
+        listed.refused.push(Refused { why, count, peer: peer.parse().ok() });
+    });
+}
+
+unsafe extern "C" fn add_reply(list: Opaque, from: Str, reply: Bytes) {
+    // SAFETY: both are lent.
+    let (from, reply) = unsafe { (from.read(), reply.read()) };
+    held(|| {
+        if let Some(list) = listing::find(list) {
+            list.reply(&from, reply);
+        }
+    });
+}
+
+/// Adds an entry of so many bytes to a list.
+fn added(list: Opaque, bytes: usize, with: impl FnOnce(&mut Listed)) {
+    held(|| {
+        if let Some(list) = listing::find(list) {
+            list.add(bytes, with);
+        }
+    });
 }

@@ -6,7 +6,7 @@ use std::ptr;
 
 use genom_plugin_abi::answers::Said;
 use genom_plugin_abi::table::{Address, Opaque};
-use genom_plugin_abi::{Bytes, Code, ErrorText, Failure, Port, Service, Str};
+use genom_plugin_abi::{Bytes, Code, Diagnosis, Entry, ErrorText, Failure, Port, Service, Str};
 
 use crate::error::LibraryError;
 use crate::library::Library;
@@ -182,6 +182,81 @@ impl Handle {
     }
 }
 
+/// The functions of an open backend for requests between daemons, and for reports.
+impl Handle {
+    pub(crate) fn announce(&self, name: &str, to: Opaque) -> Result<Self, Failure> {
+        let announce = self.library.table.announce.ok_or_else(missing)?;
+        let name = Str::of(name);
+        // SAFETY: as for a subscription.
+        let made = tried(|out, error| unsafe { announce(self.handle, name, to, out, error) })?;
+        Ok(self.library.handle(made, self.library.table.close_announced))
+    }
+
+    pub(crate) fn daemons(&self, list: Opaque) -> Result<(), Failure> {
+        let daemons = self.library.table.daemons.ok_or_else(missing)?;
+        // SAFETY: an open backend, and a list that is lent.
+        tried(|_, error| unsafe { daemons(self.handle, list, error) }).map(|_| ())
+    }
+
+    pub(crate) fn own(&self, list: Opaque) {
+        if let Some(own) = self.library.table.own {
+            // SAFETY: an open backend, and a list that is lent.
+            unsafe { own(self.handle, list) };
+        }
+    }
+
+    pub(crate) fn ask_all(
+        &self,
+        name: &str,
+        request: &[u8],
+        patience: u64,
+        list: Opaque,
+    ) -> Result<(), Failure> {
+        let ask_all = self.library.table.ask_all.ok_or_else(missing)?;
+        let (name, request) = (Str::of(name), Bytes::of(request));
+        // SAFETY: an open backend; the rest is lent.
+        let ask = |error| unsafe { ask_all(self.handle, name, request, patience, list, error) };
+        tried(|_, error| ask(error)).map(|_| ())
+    }
+
+    pub(crate) fn ask(
+        &self,
+        name: &str,
+        at: &str,
+        request: &[u8],
+        patience: u64,
+        list: Opaque,
+    ) -> Result<(), Failure> {
+        let ask = self.library.table.ask.ok_or_else(missing)?;
+        let (name, at, request) = (Str::of(name), Str::of(at), Bytes::of(request));
+        // SAFETY: an open backend; the rest is lent.
+        let ask = |error| unsafe { ask(self.handle, name, at, request, patience, list, error) };
+        tried(|_, error| ask(error)).map(|_| ())
+    }
+
+    /// Passes on an entry of a log. One thread makes this call and the next one.
+    pub(crate) fn log(&self, entry: &Entry) {
+        if let Some(log) = self.library.table.log {
+            // SAFETY: an open backend, and an entry that is lent.
+            unsafe { log(self.handle, entry) };
+        }
+    }
+
+    pub(crate) fn diagnose(&self, parts: &[*const Diagnosis]) {
+        if let Some(diagnose) = self.library.table.diagnose {
+            // SAFETY: an open backend, and diagnoses that are lent.
+            unsafe { diagnose(self.handle, parts.as_ptr(), parts.len()) };
+        }
+    }
+
+    pub(crate) fn simulated_time(&self) {
+        if let Some(simulated_time) = self.library.table.simulated_time {
+            // SAFETY: an open backend.
+            unsafe { simulated_time(self.handle) };
+        }
+    }
+}
+
 /// The functions of an end.
 impl Handle {
     /// Publishes a sample. Whoever owns the publisher calls this from one thread at a time.
@@ -233,6 +308,23 @@ impl Call {
         if let Some(reply) = self.0.library.table.reply {
             // SAFETY: a request that is not closed, and an answer that is lent.
             said.lend(|answer| unsafe { reply(self.0.handle, answer) });
+        }
+    }
+}
+
+/// A request to a daemon that the library passed on. Closed when dropped.
+pub(crate) struct Relayed(Handle);
+
+impl Relayed {
+    pub(crate) fn new(library: &'static Library, relayed: Opaque) -> Self {
+        Self(library.handle(relayed, library.table.close_relayed))
+    }
+
+    /// Replies to it, at most once.
+    pub(crate) fn reply(self, reply: &[u8]) {
+        if let Some(answer) = self.0.library.table.reply_relayed {
+            // SAFETY: a request that is not closed, and bytes that are lent.
+            unsafe { answer(self.0.handle, Bytes::of(reply)) };
         }
     }
 }

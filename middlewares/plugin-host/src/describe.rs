@@ -1,9 +1,12 @@
 //! Types, ports and services as a library reads them. What is described here is lent from it.
 
 use genom_middleware::describe::{type_of_port, types_of_service};
-use genom_middleware::{Address, Policy, PortSpec, ServiceKind, ServiceType};
-use genom_plugin_abi::table::{self, FIXED_SIZE, policy, service};
-use genom_plugin_abi::{Port, Service, Sides, Str, Type};
+use genom_middleware::{
+    Address, Diagnosis, Health, LogEntry, LogLevel, Part, Policy, PortSpec, ServiceKind,
+    ServiceType,
+};
+use genom_plugin_abi::table::{self, FIXED_SIZE, health, level, part, policy, service};
+use genom_plugin_abi::{Entry, Pair, Port, Service, Sides, Str, Type};
 use genom_types::{DataType, Definition};
 
 /// An address, lent.
@@ -91,5 +94,57 @@ pub(crate) fn sides_of_service(backend: &str, at: &Address, service: &ServiceTyp
         address: at.clone(),
         name: service.input.name().to_owned(),
         ours: types_of_service(service),
+    }
+}
+
+/// Passes an entry of a log on as a structure that is lent.
+pub(crate) fn with_entry(entry: &LogEntry, to: impl FnOnce(&Entry)) {
+    to(&Entry {
+        size: size_of::<Entry>(),
+        instance: Str::of(&entry.instance),
+        time: entry.time,
+        level: match entry.level {
+            LogLevel::Error => level::ERROR,
+            LogLevel::Warn => level::WARN,
+            LogLevel::Info => level::INFO,
+            LogLevel::Debug => level::DEBUG,
+        },
+        line: entry.line,
+        place: Str::of(&entry.place),
+        file: Str::of(&entry.file),
+        message: Str::of(&entry.message),
+    });
+}
+
+/// Passes on how parts of components fare, as structures that are lent.
+pub(crate) fn with_parts(parts: &[Diagnosis], to: impl FnOnce(&[*const table::Diagnosis])) {
+    let pair =
+        |(name, value): &(String, String)| Pair { name: Str::of(name), value: Str::of(value) };
+    let values: Vec<Vec<Pair>> =
+        parts.iter().map(|part| part.values.iter().map(pair).collect()).collect();
+    let lent: Vec<_> = parts.iter().zip(&values).map(|(part, values)| lent(part, values)).collect();
+    let pointers: Vec<*const table::Diagnosis> = lent.iter().map(std::ptr::from_ref).collect();
+    to(&pointers);
+}
+
+fn lent(diagnosis: &Diagnosis, values: &[Pair]) -> table::Diagnosis {
+    let (part, name) = match &diagnosis.of {
+        Part::Task(name) => (part::TASK, name),
+        Part::Cell(name) => (part::CELL, name),
+    };
+    table::Diagnosis {
+        size: size_of::<table::Diagnosis>(),
+        instance: Str::of(&diagnosis.instance),
+        part,
+        health: match diagnosis.health {
+            Health::Good => health::GOOD,
+            Health::Late => health::LATE,
+            Health::Stuck => health::STUCK,
+            Health::Ended => health::ENDED,
+        },
+        name: Str::of(name),
+        message: Str::of(&diagnosis.message),
+        values: values.as_ptr(),
+        count: values.len(),
     }
 }

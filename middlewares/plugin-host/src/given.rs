@@ -1,23 +1,27 @@
 //! What the host gives to a library: where samples, requests and answers go.
 
 use std::convert::Infallible;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use genom_kit::complaints::Complaints;
 use genom_kit::intake::Keeping;
 use genom_kit::mailbox::Mailbox;
-use genom_middleware::{Endpoint, Refused, ServiceHandler, ServiceType};
+use genom_middleware::{OnRequest, ServiceHandler, ServiceType};
 use genom_plugin_abi::Sides;
 use genom_plugin_abi::answers::Waiting;
 use genom_types::DataType;
 
+use crate::calls::Relayed;
 use crate::library::Library;
+use crate::listing::MESSAGE;
 
 /// What was given for one end.
 pub(crate) enum Given {
     Inbox(Arc<Inbox>),
     Served(Serving),
     Call(Calling),
+    Daemon(Arc<Daemon>),
 }
 
 /// Unread samples of an in port.
@@ -79,23 +83,53 @@ pub(crate) struct Calling {
     pub(crate) sides: Sides,
 }
 
-/// What a library lists during a call.
-#[derive(Default)]
-pub(crate) struct Listing(Mutex<Listed>);
+/// Most requests to a daemon that wait for their replies.
+const WAITING: usize = 1024;
 
-#[derive(Default)]
-pub(crate) struct Listed {
-    pub(crate) endpoints: Vec<Endpoint>,
-    pub(crate) texts: Vec<(String, String)>,
-    pub(crate) refused: Vec<Refused>,
+/// A daemon that others reach.
+pub(crate) struct Daemon {
+    pub(crate) name: String,
+    pub(crate) library: &'static Library,
+    pub(crate) requests: Box<OnRequest>,
+    /// Set when it is withdrawn; requests that come later are not answered.
+    pub(crate) withdrawn: AtomicBool,
+    pub(crate) waiting: Arc<AtomicUsize>,
+    pub(crate) refused: Complaints,
 }
 
-impl Listing {
-    pub(crate) fn add(&self, with: impl FnOnce(&mut Listed)) {
-        with(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner));
-    }
+/// One of the requests that wait.
+struct Place(Arc<AtomicUsize>);
 
-    pub(crate) fn into_listed(self) -> Listed {
-        self.0.into_inner().unwrap_or_else(PoisonError::into_inner)
+impl Drop for Place {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+impl Daemon {
+    /// A request arrived. Closed without a reply if it is dropped here.
+    pub(crate) fn arrive(&self, relayed: Relayed, request: &[u8]) {
+        if self.withdrawn.load(Ordering::Acquire) {
+            return;
+        }
+        let waiting = self.waiting.fetch_add(1, Ordering::Relaxed);
+        let place = Place(Arc::clone(&self.waiting));
+        let why = match () {
+            () if waiting >= WAITING => format!("{WAITING} others wait for their replies"),
+            () if request.len() > MESSAGE => format!("it has {} bytes", request.len()),
+            () => {
+                let answer = move |reply: Vec<u8>| {
+                    relayed.reply(&reply);
+                    drop(place);
+                };
+                return (self.requests)(request.to_vec(), Box::new(answer));
+            }
+        };
+        if let Some(count) = self.refused.add() {
+            let (library, name) = (self.library.name(), &self.name);
+            tracing::warn!(
+                "{library}: a request to daemon {name} is refused: {why} ({count} so far)"
+            );
+        }
     }
 }

@@ -16,11 +16,14 @@ mod error;
 mod form;
 mod given;
 mod library;
+mod listing;
 mod lists;
 mod middleware;
 mod opening;
 mod outlet;
 mod ports;
+mod relay;
+mod reports;
 mod services;
 
 pub use error::LibraryError;

@@ -4,30 +4,29 @@ use genom_middleware::{Address, DiscoverError, Discovery, Endpoint, Obstacle, St
 use genom_plugin_abi::Failure;
 use std::borrow::Cow;
 
-use crate::callbacks::lend;
 use crate::describe::address;
-use crate::given::Listing;
+use crate::listing::Lent;
 use crate::middleware::{Open, obstacles};
 
 impl Open {
-    fn error(&self, failure: Failure) -> DiscoverError {
+    pub(crate) fn error(&self, failure: Failure) -> DiscoverError {
         DiscoverError { backend: self.0.library.name().to_owned(), why: failure.why() }
     }
 }
 
 impl Discovery for Open {
     fn discover(&self) -> Result<Vec<Endpoint>, DiscoverError> {
-        let list = Listing::default();
-        let done = self.0.backend.discover(lend(&list));
+        let list = Lent::new();
+        let done = self.0.backend.discover(list.number());
         done.map_err(|failure| self.error(failure))?;
-        Ok(list.into_listed().endpoints)
+        Ok(list.into_listed(self.0.library.name()).endpoints)
     }
 
     fn ends_at(&self, at: &Address) -> Result<Vec<Endpoint>, DiscoverError> {
-        let list = Listing::default();
-        if let Some(done) = self.0.backend.ends_at(address(at), lend(&list)) {
+        let list = Lent::new();
+        if let Some(done) = self.0.backend.ends_at(address(at), list.number()) {
             done.map_err(|failure| self.error(failure))?;
-            return Ok(list.into_listed().endpoints);
+            return Ok(list.into_listed(self.0.library.name()).endpoints);
         }
         let wanted = self.spelled(at);
         Ok(self.discover()?.into_iter().filter(|end| end.address == wanted).collect())

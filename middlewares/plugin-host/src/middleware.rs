@@ -1,28 +1,32 @@
 //! The middleware as a whole.
 
 use std::borrow::Cow;
+use std::io;
 use std::sync::Arc;
 
 use genom_kit::sender::{Duty, Sender};
 use genom_middleware::{
-    Capabilities, Discovery, Middleware, NoForeignName, Obstacle, Refused, Services,
+    Capabilities, Diagnosis, Discovery, LogEntry, Middleware, NoForeignName, Obstacle, Refused,
+    Relay, Services,
 };
 use genom_plugin_abi::table::can;
 
-use crate::callbacks::lend;
 use crate::calls::Handle;
 use crate::error::LibraryError;
-use crate::given::{Listed, Listing};
 use crate::library::Library;
+use crate::listing::{Lent, Listed};
 use crate::outlet::Line;
+use crate::reports::Reports;
 
 /// An open middleware of a library.
 pub(crate) struct Open(pub(crate) Arc<Core>);
 
-/// Shared by all its ends. Fields are dropped in order: the thread ends before the backend closes.
+/// Shared by all its ends. Fields are dropped in order: the threads end before the backend closes.
 pub(crate) struct Core {
     pub(crate) sender: Sender<Nothing>,
-    pub(crate) backend: Handle,
+    /// What a thread of its own tells the library; `None` if the library takes no reports.
+    reports: Option<Reports>,
+    pub(crate) backend: Arc<Handle>,
     pub(crate) can: u64,
     pub(crate) library: &'static Library,
 }
@@ -36,11 +40,14 @@ impl Duty for Nothing {
 
 impl Open {
     pub(crate) fn new(library: &'static Library, options: &str) -> Result<Self, LibraryError> {
-        let backend = library.open_backend(options)?;
-        let can = backend.capabilities();
-        let sender = Sender::start(library.name(), true, Nothing)
-            .map_err(|error| LibraryError::Refused { why: error.to_string() })?;
-        Ok(Self(Arc::new(Core { sender, backend, can, library })))
+        let backend = Arc::new(library.open_backend(options)?);
+        let can = backend.capabilities() & library.able();
+        let refused = |error: io::Error| LibraryError::Refused { why: error.to_string() };
+        let sender = Sender::start(library.name(), true, Nothing).map_err(refused)?;
+        let reports =
+            (can & can::REPORTS != 0).then(|| Reports::start(library.name(), Arc::clone(&backend)));
+        let reports = reports.transpose().map_err(refused)?;
+        Ok(Self(Arc::new(Core { sender, reports, backend, can, library })))
     }
 }
 
@@ -54,9 +61,9 @@ impl Core {
         &self,
         by: impl FnOnce(&Handle, genom_plugin_abi::table::Opaque),
     ) -> Listed {
-        let list = Listing::default();
-        by(&self.backend, lend(&list));
-        list.into_listed()
+        let list = Lent::new();
+        by(&self.backend, list.number());
+        list.into_listed(self.library.name())
     }
 }
 
@@ -90,6 +97,10 @@ impl Middleware for Open {
         self.0.can(can::DISCOVERY).then_some(self)
     }
 
+    fn relay(&self) -> Option<&dyn Relay> {
+        self.0.can(can::RELAY).then_some(self)
+    }
+
     fn meeting_point(&self) -> Vec<(Cow<'static, str>, String)> {
         let listed = self.0.listed(|backend, list| backend.meeting_point(list));
         listed.texts.into_iter().map(|(name, value)| (Cow::Owned(name), value)).collect()
@@ -108,6 +119,26 @@ impl Middleware for Open {
 
     fn unmask(&self, ours: &str) {
         self.0.backend.unmask(ours);
+    }
+
+    fn simulated_time(&self) {
+        self.0.backend.simulated_time();
+    }
+
+    fn takes_reports(&self) -> bool {
+        self.0.reports.is_some()
+    }
+
+    fn log(&self, entry: &LogEntry) {
+        if let Some(reports) = &self.0.reports {
+            reports.log(entry);
+        }
+    }
+
+    fn diagnose(&self, parts: &[Diagnosis]) {
+        if let Some(reports) = &self.0.reports {
+            reports.diagnose(parts);
+        }
     }
 
     fn trouble(&self) -> Vec<Obstacle> {

@@ -18,6 +18,9 @@ use crate::error::LibraryError;
 use crate::library::Library;
 use crate::middleware::Open;
 
+/// The minor version since which there are requests between daemons, and reports.
+const SINCE: u16 = 2;
+
 /// Bytes of the table in version 1.0.
 const LEAST: usize = offset_of!(Plugin, meeting_point) + size_of::<usize>();
 
@@ -123,6 +126,33 @@ impl Library {
         tracing::info!("opened {name} ({version}) of {path}, table {major}.{minor}");
         Ok(Arc::new(open))
     }
+
+    /// The capabilities that its table has functions for. A flag that its version did not know says
+    /// nothing.
+    pub(crate) fn able(&self) -> u64 {
+        let Plugin { minor, log, diagnose, .. } = self.table;
+        let knows = minor >= SINCE;
+        let relays = knows && unrelayed(&self.table).is_none();
+        let reports = knows && (log.is_some() || diagnose.is_some());
+        let unless = |has: bool, flag: u64| if has { 0 } else { flag };
+        !(unless(relays, can::RELAY) | unless(reports, can::REPORTS))
+    }
+}
+
+/// A function for requests between daemons that is not there.
+fn unrelayed(table: &Plugin) -> Option<&'static str> {
+    [
+        (table.announce.is_none(), "announce"),
+        (table.close_announced.is_none(), "close_announced"),
+        (table.reply_relayed.is_none(), "reply_relayed"),
+        (table.close_relayed.is_none(), "close_relayed"),
+        (table.daemons.is_none(), "daemons"),
+        (table.own.is_none(), "own"),
+        (table.ask_all.is_none(), "ask_all"),
+        (table.ask.is_none(), "ask"),
+    ]
+    .into_iter()
+    .find_map(|(missing, function)| missing.then_some(function))
 }
 
 /// A function that is not there and has to be, and why.
@@ -131,6 +161,10 @@ fn lacking(table: &Plugin) -> Option<(&'static str, &'static str)> {
     let services = "GENOM_MW_SERVICES needs";
     let serves = table.capabilities & can::SERVICES != 0;
     let discovers = table.capabilities & can::DISCOVERY != 0;
+    let relays = table.minor >= SINCE && table.capabilities & can::RELAY != 0;
+    if let Some(function) = unrelayed(table).filter(|_| relays) {
+        return Some((function, "GENOM_MW_RELAY needs"));
+    }
     [
         (true, table.open.is_none(), "open", always),
         (true, table.close.is_none(), "close", always),

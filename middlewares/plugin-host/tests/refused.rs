@@ -48,7 +48,7 @@ fn a_library_of_another_kind_is_no_middleware() {
 fn another_major_version_is_refused_with_both_versions() {
     let next = table("next", "", ".major = 2, .minor = 5");
     let told = refused(&next.path).to_string();
-    assert!(told.contains("version 2.5") && told.contains("this genomd has 1.1"), "{told}");
+    assert!(told.contains("version 2.5") && told.contains("this genomd has 1.2"), "{told}");
 }
 
 #[test]

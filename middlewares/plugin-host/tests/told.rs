@@ -182,6 +182,8 @@ fn in_a_host_of_version_1_0_a_backend_opens_and_what_is_behind_its_table_is_not_
         endpoint: None,
         text: None,
         refusal: Some(behind),
+        relayed: None,
+        replied: None,
     };
     let (mut backend, none) = (ptr::null_mut(), ptr::null_mut());
     let (open, close) = (TABLE.open.expect("it"), TABLE.close.expect("it"));

@@ -70,6 +70,18 @@ impl Given {
         true
     }
 
+    /// Whether requests for a daemon can be passed on.
+    pub(crate) fn relays(&self) -> bool {
+        self.functions.0.relayed.is_some()
+    }
+
+    pub(crate) fn relayed(&self, request: Opaque, message: &[u8]) -> bool {
+        let Some(relayed) = self.functions.0.relayed else { return false };
+        // SAFETY: as for samples.
+        unsafe { relayed(self.to, request, Bytes::of(message)) };
+        true
+    }
+
     pub(crate) fn cancel(&self, run: u64) {
         if let Some(cancel) = self.functions.0.cancel {
             // SAFETY: as for samples.
@@ -119,6 +131,13 @@ impl List {
         if let Some(add) = self.functions.0.refusal {
             // SAFETY: as above.
             unsafe { add(self.list, Str::of(why), count, Str::of(peer)) };
+        }
+    }
+
+    pub(crate) fn reply(&self, from: &str, reply: &[u8]) {
+        if let Some(add) = self.functions.0.replied {
+            // SAFETY: as above.
+            unsafe { add(self.list, Str::of(from), Bytes::of(reply)) };
         }
     }
 }

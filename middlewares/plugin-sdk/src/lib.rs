@@ -16,8 +16,6 @@
 //! backend has them. Its subscriptions must tell of samples
 //! ([`on_arrival`](genom_middleware::Subscription::on_arrival)). What the backend logs through
 //! `tracing` is in the log of genomd; a panic in a function becomes an error of that function.
-//!
-//! Not yet in the table: relays, reports of components, and the time of a simulator.
 
 mod ends;
 mod given;

@@ -1,8 +1,13 @@
-//! Ports and services as the table describes them.
+//! Ports, services and reports as the table describes them.
 
-use genom_middleware::{Address, Policy, Quality, ServiceKind, ServiceType};
+use std::slice;
+
+use genom_middleware::{
+    Address, Diagnosis, Health, LogEntry, LogLevel, Part, Policy, Quality, ServiceKind, ServiceType,
+};
 use genom_plugin_abi::lent::copied;
-use genom_plugin_abi::{Code, Failure, Port, Service, Type, table};
+use genom_plugin_abi::table::{health, level, part};
+use genom_plugin_abi::{Code, Entry, Failure, Pair, Port, Service, Str, Type, table};
 use genom_types::{DataType, Definition};
 
 /// # Safety
@@ -75,4 +80,76 @@ pub(crate) unsafe fn service(service: *const Service) -> Result<ServiceType, Fai
     // SAFETY: as above.
     let described = unsafe { service.described.read() };
     Ok(ServiceType::new(kind, input, output).described(described))
+}
+
+/// # Safety
+/// The host lent it for this call.
+pub(crate) unsafe fn entry(entry: *const Entry) -> Option<LogEntry> {
+    // SAFETY: it begins with its size; zero is a value of all its members.
+    let entry = unsafe { copied(entry) }?;
+    // SAFETY: the strings are lent, too.
+    let text = |text: Str| unsafe { text.read() }.into_owned();
+    Some(LogEntry {
+        instance: text(entry.instance),
+        time: entry.time,
+        level: match entry.level {
+            level::ERROR => LogLevel::Error,
+            level::WARN => LogLevel::Warn,
+            level::INFO => LogLevel::Info,
+            _ => LogLevel::Debug,
+        },
+        place: text(entry.place),
+        file: text(entry.file),
+        line: entry.line,
+        message: text(entry.message),
+    })
+}
+
+/// # Safety
+/// `from` is null, or has that many elements, which the host lent.
+unsafe fn all<'a, T>(from: *const T, count: usize) -> &'a [T] {
+    if from.is_null() || count == 0 {
+        return &[];
+    }
+    // SAFETY: not null; the caller vouches for the rest.
+    unsafe { slice::from_raw_parts(from, count) }
+}
+
+/// What is of a kind that is not known here is left out.
+///
+/// # Safety
+/// The host lent that many for this call.
+pub(crate) unsafe fn parts(from: *const *const table::Diagnosis, count: usize) -> Vec<Diagnosis> {
+    // SAFETY: as for this function.
+    let each = unsafe { all(from, count) }.iter();
+    // SAFETY: as above.
+    each.filter_map(|one| unsafe { diagnosis(*one) }).collect()
+}
+
+/// # Safety
+/// The host lent it for this call.
+unsafe fn diagnosis(from: *const table::Diagnosis) -> Option<Diagnosis> {
+    // SAFETY: it begins with its size; zero is a value of all its members.
+    let from = unsafe { copied(from) }?;
+    // SAFETY: the strings are lent, too.
+    let text = |text: Str| unsafe { text.read() }.into_owned();
+    // SAFETY: and so are the values.
+    let values = unsafe { all::<Pair>(from.values, from.count) };
+    Some(Diagnosis {
+        instance: text(from.instance),
+        of: match from.part {
+            part::TASK => Part::Task(text(from.name)),
+            part::CELL => Part::Cell(text(from.name)),
+            _ => return None,
+        },
+        health: match from.health {
+            health::GOOD => Health::Good,
+            health::LATE => Health::Late,
+            health::STUCK => Health::Stuck,
+            health::ENDED => Health::Ended,
+            _ => return None,
+        },
+        message: text(from.message),
+        values: values.iter().map(|pair| (text(pair.name), text(pair.value))).collect(),
+    })
 }

@@ -40,7 +40,7 @@ extern "C" {
 #endif
 
 #define GENOM_MW_MAJOR 1
-#define GENOM_MW_MINOR 1
+#define GENOM_MW_MINOR 2
 
 typedef struct genom_mw_str { const char *ptr; size_t len; } genom_mw_str;
 typedef struct genom_mw_bytes { const void *ptr; size_t len; } genom_mw_bytes;
@@ -85,8 +85,12 @@ enum {
   GENOM_MW_RT_PUBLISH = 64,     /* publish takes bounded time, without locks, allocation and
                                    blocking system calls: tasks call it themselves */
   GENOM_MW_LAYOUT = 128,        /* samples of fixed size cross in their C layout, not in CDR */
-  GENOM_MW_NO_GATEWAY = 256     /* nothing is gained from a process of its own: open it in the
+  GENOM_MW_NO_GATEWAY = 256,    /* nothing is gained from a process of its own: open it in the
                                    daemon unless the configuration says otherwise */
+  GENOM_MW_RELAY = 512,         /* (1.2) passes requests between daemons: announce, ... are not
+                                   NULL */
+  GENOM_MW_REPORTS = 1024       /* (1.2) its tools show what components log, or how they fare: log
+                                   or diagnose is not NULL */
 };
 
 enum { GENOM_MW_FIXED_SIZE = 1 };
@@ -147,6 +151,39 @@ typedef struct genom_mw_answer {
 enum { GENOM_MW_LOG_ERROR = 1, GENOM_MW_LOG_WARN = 2, GENOM_MW_LOG_INFO = 3, GENOM_MW_LOG_DEBUG = 4 };
 enum { GENOM_MW_OUT_PORT = 1, GENOM_MW_IN_PORT = 2, GENOM_MW_SERVICE = 3 };
 
+/* Since version 1.2. */
+
+/* An entry of a component's log. */
+typedef struct genom_mw_entry {
+  size_t size;
+  genom_mw_str instance; /* the component */
+  int64_t time;          /* nanoseconds since 1970 */
+  uint32_t level;        /* GENOM_MW_LOG_ERROR, ... */
+  uint32_t line;         /* from 1, or 0 where it is not known */
+  genom_mw_str place;    /* what logged it: a module of the daemon */
+  genom_mw_str file;     /* empty where it is not known */
+  genom_mw_str message;
+} genom_mw_entry;
+
+/* A figure, by its name with unit. */
+typedef struct genom_mw_pair { genom_mw_str name, value; } genom_mw_pair;
+
+/* What of a component, and how it fares: it works as described, missed periods since it was told
+   last, is in a codel that has not returned for too long, or ended although nobody had asked it to. */
+enum { GENOM_MW_TASK = 1, GENOM_MW_CELL = 2 };
+enum { GENOM_MW_GOOD = 1, GENOM_MW_LATE = 2, GENOM_MW_STUCK = 3, GENOM_MW_ENDED = 4 };
+
+typedef struct genom_mw_diagnosis {
+  size_t size;
+  genom_mw_str instance; /* the component */
+  uint32_t part;         /* a task of it, or the process (cell) that it is in */
+  uint32_t health;
+  genom_mw_str name;     /* of the task or cell */
+  genom_mw_str message;  /* what, in a few words */
+  const genom_mw_pair *values;
+  size_t count;
+} genom_mw_diagnosis;
+
 typedef struct genom_mw_backend genom_mw_backend;           /* an open middleware */
 typedef struct genom_mw_publisher genom_mw_publisher;       /* writing end of a port */
 typedef struct genom_mw_subscription genom_mw_subscription; /* reading end of a port */
@@ -154,6 +191,8 @@ typedef struct genom_mw_served genom_mw_served;             /* a served service 
 typedef struct genom_mw_call genom_mw_call;                 /* a request to it */
 typedef struct genom_mw_client genom_mw_client;             /* calling end of a service */
 typedef struct genom_mw_run genom_mw_run;                   /* a request that was made */
+typedef struct genom_mw_announced genom_mw_announced;       /* (1.2) a daemon that others reach */
+typedef struct genom_mw_relayed genom_mw_relayed;           /* (1.2) a request to that daemon */
 
 /* What the host gives. The table stays valid for the life of the process. */
 typedef struct genom_mw_host {
@@ -185,6 +224,18 @@ typedef struct genom_mw_host {
   /* Adds a reason to the list of `refused`: how often it was one so far, and the IP address of the
      peer that gave it last, as text, or an empty string. */
   void (*refusal)(void *list, genom_mw_str why, uint64_t count, genom_mw_str peer);
+
+  /* Since version 1.2. A host that calls `announce` and `ask` has them. */
+
+  /* A request arrived for an announced daemon; it is copied. There is one reply at most, through
+     `reply_relayed`, before this returns or later, and close_relayed is called once, when there will
+     be no more: at once for a request that comes after close_announced, is too large (64 MiB), or
+     while 1024 others wait. */
+  void (*relayed)(void *to, genom_mw_relayed *relayed, genom_mw_bytes request);
+  /* Adds a reply to the list of `ask` and `ask_all`, with the identity of the end that sent it; it is
+     copied. What comes after the function has returned, too much (16 replies, 128 MiB together) or
+     too large (64 MiB) is left out. */
+  void (*replied)(void *list, genom_mw_str from, genom_mw_bytes reply);
 } genom_mw_host;
 
 /* What the plugin gives. */
@@ -279,6 +330,51 @@ typedef struct genom_mw_plugin {
   /* What keeps this process from others on this middleware as a whole: `text` with the cause, and
      what to do. May take some seconds. */
   void (*trouble)(genom_mw_backend *backend, void *list);
+
+  /* Since version 1.2. Hosts of 1.0 and 1.1 do not call them. */
+
+  /* Requests between daemons, for clients that reach only one of the two: GENOM_MW_RELAY needs all
+     from here to ask. The bytes are opaque; the daemons authenticate them. Any time, also several at
+     once.
+
+     Makes a daemon reachable under a name, and passes requests for that name to `relayed` with `to`.
+     GENOM_MW_TAKEN: another daemon has that name. */
+  genom_mw_code (*announce)(genom_mw_backend *backend, genom_mw_str name, void *to,
+                            genom_mw_announced **announced, genom_mw_error *error);
+  /* Withdraws it. Requests that wait may still be answered. */
+  void (*close_announced)(genom_mw_announced *announced);
+  /* The host answers a request. Any time, at most once; does not block. */
+  void (*reply_relayed)(genom_mw_relayed *relayed, genom_mw_bytes reply);
+  /* No reply comes any more: if there was none, who asked is told so. Does not block. */
+  void (*close_relayed)(genom_mw_relayed *relayed);
+  /* The daemons that are visible now, including this one: `text` with a name and an empty value. */
+  genom_mw_code (*daemons)(genom_mw_backend *backend, void *list, genom_mw_error *error);
+  /* The identity of this end: `text` once, with it as key. Those who ask get it with the replies of
+     this end, and no two ends have the same. Does not block. */
+  void (*own)(genom_mw_backend *backend, void *list);
+  /* Sends a request to every end that serves that name, and calls `replied` for each reply. Returns
+     when all have replied or closed the request, or after `patience` nanoseconds, which may be an
+     hour. GENOM_MW_NOBODY: no daemon of that name is visible, also not a short time later. */
+  genom_mw_code (*ask_all)(genom_mw_backend *backend, genom_mw_str name, genom_mw_bytes request,
+                           uint64_t patience, void *list, genom_mw_error *error);
+  /* Sends a request to the daemon of that name at one end, by its identity, and calls `replied` once.
+     GENOM_MW_TIMEOUT: nothing came within `value` nanoseconds; GENOM_MW_GONE: the request was closed
+     without a reply, or the end went away. */
+  genom_mw_code (*ask)(genom_mw_backend *backend, genom_mw_str name, genom_mw_str at,
+                       genom_mw_bytes request, uint64_t patience, void *list,
+                       genom_mw_error *error);
+
+  /* With GENOM_MW_REPORTS, shows an entry of a component's log, or how parts of components fare, in
+     the middleware's own tools; what is about components that have no end open here is left out. A
+     thread of the host calls both, one call at a time, also while it is in other functions. They may
+     take time: reports wait meanwhile, and the newest are left out and counted if that takes too
+     long. `parts` has `count` pointers. */
+  void (*log)(genom_mw_backend *backend, const genom_mw_entry *entry);
+  void (*diagnose)(genom_mw_backend *backend, const genom_mw_diagnosis *const *parts, size_t count);
+
+  /* The time of components is that of a simulator, which tells it on this middleware. Called before
+     anything is opened. */
+  void (*simulated_time)(genom_mw_backend *backend);
 } genom_mw_plugin;
 
 #if defined(__GNUC__)

@@ -111,6 +111,21 @@ pub(crate) async fn question(
     Ok(([(header::CONTENT_TYPE, "application/octet-stream")], answer).into_response())
 }
 
+/// Of several, the first on which the daemon shows; if it shows on none, the first, which waits for
+/// it a short time.
+fn through<'a>(
+    relays: &'a [(&'static str, Arc<dyn Middleware>)],
+    name: &str,
+) -> Option<&'a dyn Relay> {
+    let mut all = relays.iter().filter_map(|(_, open)| open.relay());
+    let shows =
+        |relay: &&dyn Relay| relay.daemons().is_ok_and(|names| names.iter().any(|one| one == name));
+    match relays {
+        [_, _, ..] => all.clone().find(shows).or_else(|| all.next()),
+        _ => all.next(),
+    }
+}
+
 /// Sends a message by the middleware that relays requests. Takes a slot, because it may occupy a
 /// thread for long.
 async fn by_relay<T: Send + 'static>(
@@ -128,7 +143,7 @@ async fn by_relay<T: Send + 'static>(
     let work = move || {
         let _slot = slot;
         let relays = relays(&backends);
-        let Some(relay) = relays.iter().find_map(|(_, open)| open.relay()) else {
+        let Some(relay) = through(&relays, &name) else {
             let message = "this daemon is on no middleware that passes requests on";
             return Err(RpcError::conflict(Code::NoRelay, message)
                 .help("start it with `--backend zenoh`, or load a component there"));

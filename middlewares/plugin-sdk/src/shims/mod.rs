@@ -4,6 +4,8 @@
 mod base;
 mod lists;
 mod ports;
+mod relay;
+mod reports;
 mod services;
 
 use genom_middleware::Backend;
@@ -25,7 +27,11 @@ pub const fn table<B: Backend + 'static>(name: &'static str) -> Plugin {
         name: Str::of(name),
         version: Str::of(B::VERSION),
         // What it can do is known when it is open.
-        capabilities: can::SERVICES | can::DISCOVERY | if B::GATEWAY { 0 } else { can::NO_GATEWAY },
+        capabilities: can::SERVICES
+            | can::DISCOVERY
+            | can::RELAY
+            | can::REPORTS
+            | if B::GATEWAY { 0 } else { can::NO_GATEWAY },
         open: Some(open::<B>),
         close: Some(close),
         publisher: Some(ports::publisher),
@@ -55,6 +61,17 @@ pub const fn table<B: Backend + 'static>(name: &'static str) -> Plugin {
         meeting_point: Some(lists::meeting_point),
         refused: Some(lists::refused),
         trouble: Some(lists::trouble),
+        announce: Some(relay::announce),
+        close_announced: Some(relay::close_announced),
+        reply_relayed: Some(relay::reply_relayed),
+        close_relayed: Some(relay::close_relayed),
+        daemons: Some(relay::daemons),
+        own: Some(relay::own),
+        ask_all: Some(relay::ask_all),
+        ask: Some(relay::ask),
+        log: Some(reports::log),
+        diagnose: Some(reports::diagnose),
+        simulated_time: Some(reports::simulated_time),
     }
 }
 
@@ -104,6 +121,8 @@ unsafe extern "C" fn capabilities_of(backend: Opaque) -> u64 {
             (services, can::SERVICES),
             (services && has.native_services, can::NATIVE_SERVICES),
             (discovery, can::DISCOVERY),
+            (opened.middleware.relay().is_some(), can::RELAY),
+            (opened.middleware.takes_reports(), can::REPORTS),
         ]
         .into_iter()
         .filter_map(|(has, flag)| has.then_some(flag))

@@ -116,6 +116,67 @@ fn zenoh_in_a_library_serves_a_daemon_and_its_cells_through_one_gateway() {
     assert_eq!(names.collect::<Vec<_>>(), ["demo", "gateway-zenoh_plugin"]);
 }
 
+/// The board, which writes into a file what it is told of components.
+fn telling(file: &Path) -> String {
+    let tells = format!(
+        r#"
+static void tell(const char *what, genom_mw_str of, genom_mw_str name, genom_mw_str text)
+{{
+  FILE *file = fopen({file:?}, "a");
+  fprintf(file, "%s %.*s %.*s %.*s\n", what, (int)of.len, of.ptr, (int)name.len, name.ptr,
+          (int)text.len, text.ptr);
+  fclose(file);
+}}
+static void board_log(genom_mw_backend *backend, const genom_mw_entry *entry)
+{{ (void)backend, tell("log", entry->instance, entry->place, entry->message); }}
+static void board_diagnose(genom_mw_backend *backend, const genom_mw_diagnosis *const *parts,
+                           size_t count)
+{{
+  (void)backend;
+  for (size_t i = 0; i < count; i++)
+    tell(parts[i]->part == GENOM_MW_TASK ? "task" : "cell", parts[i]->instance, parts[i]->name,
+         parts[i]->message);
+}}
+static void board_simulated_time(genom_mw_backend *backend)
+{{
+  genom_mw_str none = {{ 0, 0 }};
+  (void)backend, tell("simulated", none, none, none);
+}}
+const genom_mw_plugin"#
+    );
+    let more = board().replacen("const genom_mw_plugin", &tells, 1);
+    let (before, table) = more.split_once("= GENOM_MW_VARIABLE,").expect("its capabilities");
+    format!(
+        "{before}= GENOM_MW_VARIABLE | GENOM_MW_REPORTS, .log = board_log, \
+         .diagnose = board_diagnose, .simulated_time = board_simulated_time,{table}"
+    )
+}
+
+#[test]
+fn a_library_is_told_what_components_log_how_they_fare_and_that_their_time_is_simulated() {
+    let without_gateways = "[gateways]\nof = []\n";
+    for (configuration, options) in [("", &["--isolated"][..]), (without_gateways, &[])] {
+        let home = Home::new().configured(configuration);
+        let told = home.path().join("told");
+        compile(home.path(), "board", &telling(&told));
+        let demo = component("demo").library;
+        let arguments = ["--backend", "./libgenomd_board.so", "--clock", "ros"];
+        let _daemon = home.start(&[&arguments, options, &[path(&demo)]].concat());
+        let is_told = |begins: &str, holds: &str| {
+            until(&format!("it is told `{begins}... {holds}`"), || {
+                let told = fs::read_to_string(&told).unwrap_or_default();
+                told.lines().any(|line| line.starts_with(begins) && line.contains(holds))
+            });
+        };
+        is_told("simulated ", "");
+        is_told("log demo ", " runs on board");
+        is_told("task demo main ", "");
+        if !options.is_empty() {
+            is_told("cell demo demo ", "its process runs");
+        }
+    }
+}
+
 #[test]
 fn a_daemon_does_not_start_with_a_library_that_is_no_middleware() {
     let home = Home::new();
@@ -127,7 +188,7 @@ fn a_daemon_does_not_start_with_a_library_that_is_no_middleware() {
     refused("./libgenomd_plain.so", "does not export `genom_middleware_plugin`");
     let next = board().replace(".major = GENOM_MW_MAJOR", ".major = 2");
     compile(home.path(), "next", &next);
-    refused("./libgenomd_next.so", "built for version 2.1");
+    refused("./libgenomd_next.so", "built for version 2.2");
     let own = board().replace("GENOM_MW_STR(\"board\")", "GENOM_MW_STR(\"zenoh\")");
     compile(home.path(), "own", &own);
     refused("./libgenomd_own.so", "this daemon has one already");

@@ -3,19 +3,33 @@
 use std::process::Command;
 use std::sync::Arc;
 
-use genom_tests::fleet::{at_the_robot, fleet};
+use genom_tests::fleet::{IN_A_LIBRARY, at_the_robot, fleet, fleet_on, in_a_library};
 use genom_tests::{Daemon, Home, Memory, Running, component, path, repository};
 use serde_json::json;
 
 #[test]
 fn a_daemon_is_supervised_through_another_one() {
-    let (robot, desk) = fleet();
-    let far = |arguments: &[&str]| at_the_robot(&robot, &desk, "driver", arguments);
+    supervised(&fleet(), "zenoh");
+}
+
+#[test]
+fn a_daemon_is_supervised_through_one_with_zenoh_in_a_library() {
+    supervised(&fleet_on("zenoh", IN_A_LIBRARY), IN_A_LIBRARY);
+}
+
+#[test]
+fn a_daemon_with_zenoh_in_a_library_is_supervised_through_another_one() {
+    supervised(&fleet_on(IN_A_LIBRARY, "zenoh"), "zenoh");
+}
+
+/// The robot does what is asked of it at the desk, which sees it on this middleware.
+fn supervised((robot, desk): &(Daemon, Daemon), seen_on: &str) {
+    let far = |arguments: &[&str]| at_the_robot(robot, desk, "driver", arguments);
     let listed = far(&["list"]);
     assert!(listed.expect_code(0).out.contains("demo"), "{}", listed.out);
     desk.ctl(&["daemons"])
         .expect_code(0)
-        .expect_out("DAEMON  BACKEND\ndesk*   zenoh\nrobot   zenoh\n");
+        .expect_out(&format!("DAEMON  BACKEND\ndesk*   {seen_on}\nrobot   {seen_on}\n"));
     far(&["call", "demo", "set_speed", "velocity=0.25"]).expect_code(0);
     robot.ctl(&["call", "demo", "get_speed"]).expect_code(0).expect_out("velocity = 0.25\n");
     // Waits for an activity as if it ran here.
@@ -26,8 +40,28 @@ fn a_daemon_is_supervised_through_another_one() {
 }
 
 #[test]
+fn a_daemon_that_shows_on_one_of_two_middlewares_is_asked_there() {
+    let (robot, _other) = fleet();
+    // This one is alone on its zenoh, and meets the robot with that in the library.
+    let section = in_a_library(robot.home().memory());
+    let desk = Home::new().configured(&section).start(&["--backend", "zenoh"]);
+    let demo = component("demo").library;
+    desk.ctl(&["load", "--backend", IN_A_LIBRARY, "--name", "own", path(&demo)]).expect_code(0);
+    let listed = at_the_robot(&robot, &desk, "driver", &["list"]);
+    assert!(listed.expect_code(0).out.contains("demo"), "{}", listed.out);
+}
+
+#[test]
 fn streams_of_another_daemon_are_followed_through_this_one() {
-    let (robot, desk) = fleet();
+    followed(fleet());
+}
+
+#[test]
+fn streams_are_followed_with_zenoh_in_a_library_at_both_ends() {
+    followed(fleet_on(IN_A_LIBRARY, IN_A_LIBRARY));
+}
+
+fn followed((robot, desk): (Daemon, Daemon)) {
     let token = robot.home().path().join("driver");
     let far = |arguments: &[&str]| {
         desk.spawn(&[&["--host", "zenoh:robot", "--token-file", path(&token)], arguments].concat())
