@@ -114,16 +114,16 @@ impl Daemon {
         }
         let waiting = self.waiting.fetch_add(1, Ordering::Relaxed);
         let place = Place(Arc::clone(&self.waiting));
-        let why = match () {
-            () if waiting >= WAITING => format!("{WAITING} others wait for their replies"),
-            () if request.len() > MESSAGE => format!("it has {} bytes", request.len()),
-            () => {
-                let answer = move |reply: Vec<u8>| {
-                    relayed.reply(&reply);
-                    drop(place);
-                };
-                return (self.requests)(request.to_vec(), Box::new(answer));
-            }
+        let why = if waiting >= WAITING {
+            format!("{WAITING} others wait for their replies")
+        } else if request.len() > MESSAGE {
+            format!("it has {} bytes", request.len())
+        } else {
+            let answer = move |reply: Vec<u8>| {
+                relayed.reply(&reply);
+                drop(place);
+            };
+            return (self.requests)(request.to_vec(), Box::new(answer));
         };
         if let Some(count) = self.refused.add() {
             let (library, name) = (self.library.name(), &self.name);
