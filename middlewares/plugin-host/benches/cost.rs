@@ -209,6 +209,8 @@ fn out(at: &Address, ty: &DataType, size: u32, message: &[u8]) {
         endpoint: None,
         text: None,
         refusal: None,
+        relayed: None,
+        replied: None,
     };
     let (open, publisher) = (table.open.expect("it"), table.publisher.expect("it"));
     // SAFETY: the table is that of the SDK; what is lent lives until the calls return.
