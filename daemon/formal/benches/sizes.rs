@@ -1,6 +1,8 @@
 //! How long components of real size take, and how much memory:
-//! `cargo bench --workspace --bench sizes -- 10`, the number of components of each size, or
-//! `-- FILE.gen`, with the bounds of `genomctl verify` and with fewer.
+//! `cargo bench --workspace --bench sizes -- 10`, the number of components of each size; with the first
+//! seed behind it; and then with the most codels of its own that a component of three tasks and ten
+//! activities may have, of which alone there are as many then. Or `-- FILE.gen`, with the bounds of
+//! `genomctl verify` and with fewer.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, missing_docs)]
 
@@ -13,6 +15,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use component::{Size, component};
+use genom_description::model::{Codel, Owner};
 use genom_description::{Analysis, Options, read, read_text};
 use genom_formal::{Bounds, Limits, Longest, Property, System, Verdict};
 use genom_runtime::Plan;
@@ -24,13 +27,23 @@ fn main() {
     }
     let numbers: Vec<u64> = std::env::args().filter_map(|given| given.parse().ok()).collect();
     let (count, first) = (numbers.first().unwrap_or(&5), numbers.get(1).unwrap_or(&0));
-    println!("seed codels  tasks  activities   untimed s  states    ticks s   zones   not decided");
+    println!(
+        "seed codels (own)  tasks  activities   untimed s  states    ticks s   zones   not decided"
+    );
     let (mut slowest, mut open, mut all) = (0.0f64, 0, 0);
-    for (tasks, activities, functions) in [(1, 2, 1), (2, 4, 2), (3, 7, 3), (3, 10, 4)] {
+    let most = numbers.get(2).and_then(|most| usize::try_from(*most).ok());
+    let sizes: &[_] = match most {
+        Some(_) => &[(3, 10, 1)],
+        None => &[(1, 2, 1), (2, 4, 2), (3, 7, 3), (3, 10, 4)],
+    };
+    for (tasks, activities, functions) in sizes.iter().copied() {
         let size = Size { tasks, activities, functions };
         for seed in *first..first + count {
             let text = component(&mut random::Random(seed), size);
             let analysis = read_text("sizes.gen", &text, &Options::default());
+            if most.is_some_and(|most| own_codels(&analysis) > most) {
+                continue;
+            }
             print!("{seed:4} ");
             let (took, undecided) = measure(analysis, Bounds::default());
             slowest = slowest.max(took);
@@ -40,6 +53,16 @@ fn main() {
     }
     println!("{all} components, {open} with something that is not decided, slowest {slowest:.1} s");
     peak();
+}
+
+/// Codels that a component has beside those of standard services.
+fn own_codels(analysis: &Analysis) -> usize {
+    let component = &analysis.specification.components[0];
+    let is_own = |codel: &Codel| match codel.owner {
+        Owner::Service(service) => !component.services[service].standard,
+        Owner::Task(_) => true,
+    };
+    component.codels.iter().filter(|codel| is_own(codel)).count()
 }
 
 /// The most memory that was taken.
@@ -81,6 +104,7 @@ fn measure_zones(analysis: Analysis, bounds: Bounds) {
 /// decided.
 fn measure(analysis: Analysis, bounds: Bounds) -> (f64, bool) {
     assert!(!analysis.has_errors(), "{:#?}", analysis.diagnostics);
+    let own = own_codels(&analysis);
     let plan = Arc::new(Plan::new(&Arc::new(analysis.specification), 0).unwrap());
     let system = System::new(&plan, bounds);
     let begin = Instant::now();
@@ -107,7 +131,7 @@ fn measure(analysis: Analysis, bounds: Bounds) -> (f64, bool) {
     let component = plan.component();
     let activities = component.services.iter().filter(|service| service.task.is_some()).count();
     println!(
-        "{:6} {:6} {activities:11} {:11.2} {:8} {:9.2} {:8}   {open:?} late {late}, {known} of {} responses",
+        "{:6} {own:5} {:6} {activities:11} {:11.2} {:8} {:9.2} {:8}   {open:?} late {late}, {known} of {} responses",
         component.codels.len(),
         component.tasks.len(),
         untimed.as_secs_f64(),

@@ -1,57 +1,19 @@
 //! All states that a component can reach, whatever time its codels take.
 
-use std::fmt;
 use std::time::{Duration, Instant};
 
 use indexmap::IndexSet;
 use rustc_hash::FxBuildHasher;
 
 use crate::action::Action;
-use crate::memory::{ENTRY, listed};
 use crate::pack::{pack, packed, unpacked};
 use crate::state::State;
 use crate::system::System;
+use genom_timing::memory::{ENTRY, listed};
+use genom_timing::{Limit, Limits};
 
 /// Bytes that are taken for each state, beside the state itself.
 const TABLES: usize = ENTRY + listed::<(u32, u16)>();
-
-/// Limits of an exploration.
-#[derive(Clone, Copy, Debug)]
-pub struct Limits {
-    /// Number of states.
-    pub states: usize,
-    /// Memory, in bytes.
-    pub memory: usize,
-    /// Time.
-    pub time: Duration,
-}
-
-impl Default for Limits {
-    fn default() -> Self {
-        Self { states: 5_000_000, memory: 1 << 30, time: Duration::from_secs(10) }
-    }
-}
-
-/// The limit that ended an exploration before all states were seen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Limit {
-    /// [`Limits::states`].
-    States(usize),
-    /// [`Limits::memory`].
-    Memory(usize),
-    /// [`Limits::time`].
-    Time(Duration),
-}
-
-impl fmt::Display for Limit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::States(states) => write!(f, "more than {states} states"),
-            Self::Memory(bytes) => write!(f, "more than {} MiB of states", bytes >> 20),
-            Self::Time(time) => write!(f, "more than {} s", time.as_secs_f64()),
-        }
-    }
-}
 
 /// How much was explored.
 #[derive(Clone, Copy, Debug)]
@@ -172,41 +134,5 @@ impl Explored {
             Some((state, action))
         });
         taken.collect()
-    }
-}
-
-impl Limits {
-    /// Limits of a first look, in which what is small is seen as a whole: a part of the time, and a
-    /// second and a half if that is allowed.
-    #[must_use]
-    pub fn first(&self) -> Self {
-        const PART: u32 = 40;
-        let time = (self.time / PART).max(Duration::from_millis(1500)).min(self.time);
-        Self { states: self.states.min(500_000), time, ..*self }
-    }
-
-    /// The same with what is left of the time since `begin`, shared with so many others.
-    pub(crate) fn share(&self, begin: Instant, others: usize) -> Self {
-        let sharing = u32::try_from(others.saturating_add(1)).unwrap_or(u32::MAX);
-        Self { time: self.time.saturating_sub(begin.elapsed()) / sharing, ..*self }
-    }
-
-    pub(crate) fn passed(
-        &self,
-        states: usize,
-        bytes: usize,
-        at: usize,
-        begin: Instant,
-    ) -> Option<Limit> {
-        /// States between two looks at the clock.
-        const LOOK: usize = 256;
-        if states > self.states {
-            return Some(Limit::States(self.states));
-        }
-        if bytes > self.memory {
-            return Some(Limit::Memory(self.memory));
-        }
-        let late = at.is_multiple_of(LOOK) && begin.elapsed() > self.time;
-        late.then_some(Limit::Time(self.time))
     }
 }

@@ -6,9 +6,9 @@ use genom_description::model::{Codel, CodelKind, Owner, Span, Specification, Tas
 use genom_runtime::plan::Plan;
 
 use crate::bounds::Bounds;
-use crate::explore::Limits;
 use crate::property::{Property, Verdict};
 use crate::system::System;
+use genom_timing::Limits;
 
 /// Codels and services of a component, at most: an editor waits for the hints.
 const MOST: usize = 300;

@@ -3,17 +3,12 @@
 
 use std::time::Instant;
 
-use crate::codels::small;
-use crate::explore::{Limit, Limits};
 use crate::played::Course;
-use crate::property::needed;
-use crate::schedule::{Processors, Scheduled};
-use crate::services::Work;
+use crate::schedule::Processors;
 use crate::system::System;
-use crate::timed::{Potential, Timed, TimedReport, Times, seek};
+use crate::timed::{Timed, TimedReport, Times};
+use genom_timing::{Limit, Limits};
 
-/// Zones of a search for a task that is late, at most.
-const ZONES: usize = 1_000_000;
 /// The part of the time that all looks at ticks together have, in fifths: states and responses are
 /// looked at, too.
 const FIFTHS: u32 = 3;
@@ -96,16 +91,9 @@ impl System {
         let mut open = report.tasks.iter().filter(|task| task.open).count();
         for (task, found) in tasks.iter().zip(&mut report.tasks) {
             let Some(sum) = sum(&found.name).filter(|_| found.open) else { continue };
-            let (parts, seek_begin) = (self.parts(times, sum), Instant::now());
             open -= 1;
-            let all = limits.share(begin, open);
-            let run = self.with_cycles(times, *task, &latest, |longest| {
-                parts.iter().zip(1..).find_map(|(part, number)| {
-                    let limits = all.share(seek_begin, parts.len() - number);
-                    let limits = Limits { states: limits.states.min(ZONES), ..limits };
-                    seek(&limits, &Potential::new(part, times, *task, longest)?)
-                })
-            });
+            let limits = limits.share(begin, open);
+            let run = self.late_run(times, (*task, sum), &latest, &limits);
             if let Some(run) = run {
                 (found.overrun, found.spent) = self.overrun(times, &run, *task);
                 found.open = false;
@@ -130,66 +118,5 @@ impl System {
             report.explored.limit = None;
         }
         report
-    }
-
-    /// Parts of the component that may show that a task is late: with the services in its dearest
-    /// cycle, if it may be late with these alone; with those that it may wait for as well; then with
-    /// all; then as the bounds say, with aborts and events. Where more can be waited for, there is
-    /// more to look at before a cycle that is late without.
-    fn parts(&self, times: &Times, task: &Scheduled) -> Vec<Self> {
-        let services = || 0..small(self.services.len());
-        let called = || task.called.iter();
-        let named = |service: &u16| {
-            let name = Some(self.service_name(*service));
-            called().any(|one| one.activity == name)
-        };
-        let own: Vec<u16> = services().filter(named).collect();
-        let mut meant = own.clone();
-        for one in called() {
-            for waits in &one.waits {
-                meant.extend(services().filter(|service| self.executes(*service, &waits.codel)));
-            }
-        }
-        for other in &task.meanwhile {
-            meant.extend(services().filter(|service| self.runs_in(*service, &other.of)));
-        }
-        let needed = |services: Vec<u16>| -> Vec<u16> {
-            services.into_iter().flat_map(|service| needed(self, service)).collect()
-        };
-        // Of some activities the dearest cycle has several.
-        let codels: Vec<(&Option<String>, &String)> =
-            called().map(|one| (&one.activity, &one.codel)).collect();
-        let several = codels.iter().enumerate().any(|(at, one)| codels[..at].contains(one));
-        let instances = if several { self.bounds.instances } else { 1 };
-        let bounds = crate::Bounds { abort: false, fire: false, instances, ..self.bounds };
-        let few = |mut part: Self| {
-            part.bounds = bounds;
-            part
-        };
-        let alone = few(self.slice(&needed(own)));
-        let sums = alone.bounded(times, Processors::Own, 0);
-        let late = |sum: &Scheduled| sum.name == task.name && sum.response.is_err();
-        let alone = sums.tasks.iter().any(late).then_some(alone);
-        let others = [few(self.slice(&needed(meant))), few(self.clone()), self.clone()];
-        alone.into_iter().chain(others).collect()
-    }
-
-    /// Whether a service, or its activity, executes a codel of this name.
-    fn executes(&self, service: u16, codel: &str) -> bool {
-        let facts = &self.services[usize::from(service)];
-        let machine = facts.machine.map(|machine| &self.machines[usize::from(machine)]);
-        let states = machine.iter().flat_map(|machine| machine.codels.iter().flatten());
-        let work = facts.work.iter().filter_map(|work| match work {
-            Work::Codel(node) | Work::Transfer(node) => Some(node),
-            Work::Abort => None,
-        });
-        states.chain(work).any(|node| self.node_name(*node) == codel)
-    }
-
-    /// Whether the activity of a service is one of this task.
-    fn runs_in(&self, service: u16, task: &str) -> bool {
-        let machine = self.services[usize::from(service)].machine;
-        let machine = machine.map(|machine| &self.machines[usize::from(machine)]);
-        machine.is_some_and(|machine| self.task_name(machine.task) == task)
     }
 }

@@ -1,8 +1,8 @@
 //! States as bytes: a few dozen for each, so that millions fit into memory.
 
 use crate::action::End;
-use crate::lock::Lock;
 use crate::state::{At, Life, Mode, Pc, Pending, Phase, Place, Run, State, Step, Task, Worker};
+use genom_timing::Lock;
 
 /// A value that can be written as bytes, and read back.
 pub(crate) trait Pack: Sized {

@@ -7,7 +7,7 @@
 //! `clone_from` keeps the lists that are there.
 
 use crate::action::End;
-use crate::lock::Lock;
+use genom_timing::Lock;
 
 /// A state of the system.
 #[derive(Debug, PartialEq, Eq, Hash)]
@@ -212,4 +212,3 @@ macro_rules! copied {
 copied! { State { phase, tasks, pending, workers, lock, ran, failed, next } }
 copied! { Task { at, runs, inbox, outbox, fired, runnable, again, moved, late, young } }
 copied! { Run { machine, life, at_stop, asked, places, end, number } }
-copied! { Lock { held, queue } }

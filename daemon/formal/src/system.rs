@@ -6,16 +6,15 @@ use genom_description::model::{CodelIx, Ix as _, Task};
 use genom_runtime::body::EventId;
 use genom_runtime::nanos;
 use genom_runtime::plan::Plan;
-use genom_timing::Period;
+use genom_timing::{Conflicts, Lock, Period};
 
 use crate::action::Answer;
 use crate::bounds::Bounds;
 use crate::codels::{self, Codel, small};
-use crate::lock::{Conflicts, Lock};
 use crate::machines::{self, Machine};
 use crate::services::{self, Service};
 use crate::state::{At, Phase, State, Task as TaskState};
-use crate::variant::Variant;
+use crate::variant::{Variant, conflicts};
 
 /// A component whose steps can be explored.
 #[derive(Clone, Debug)]
@@ -62,7 +61,7 @@ impl System {
             machines: machines::machines(plan),
             codels: codels::codels(plan),
             services: services::services(plan),
-            conflicts: Conflicts::new(plan.nodes(), variant),
+            conflicts: conflicts(plan.nodes(), variant),
             sinks: plan.component().sinks.iter().map(|sink| small(sink.state.index())).collect(),
             by_period: plan.steps_by_period(),
             clients: vec![true; plan.component().services.len()],

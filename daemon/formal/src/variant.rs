@@ -1,5 +1,8 @@
 //! Rules that differ from the runtime's in one point.
 
+use genom_runtime::plan::Nodes;
+use genom_timing::Conflicts;
+
 /// One changed rule. Tests show that runs of the runtime are refused by each of these systems: so
 /// the acceptance of those runs by the system itself says something about that rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -20,4 +23,13 @@ impl Variant {
     /// All of them.
     pub const ALL: [Self; 5] =
         [Self::UnfairLock, Self::StopOnTicks, Self::RunToPause, Self::LostWakeUp, Self::Phase];
+}
+
+/// Which nodes of a plan exclude each other.
+#[must_use]
+pub fn conflicts(nodes: &Nodes, variant: Option<Variant>) -> Conflicts {
+    let excludes =
+        |node: usize| (0..nodes.len()).map(move |other| nodes.conflicts(node).contains(&other));
+    let rows = (0..nodes.len()).map(|node| excludes(node).collect());
+    Conflicts::new(rows.collect(), variant != Some(Variant::UnfairLock))
 }

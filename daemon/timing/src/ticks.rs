@@ -38,11 +38,13 @@ pub fn cycles(own: Period, length: u64, (other, response): (Period, u64)) -> u64
 /// The least common multiple: from one date at which both tick to the next, without delays.
 #[must_use]
 pub fn common(a: u64, b: u64) -> Option<u64> {
-    let (mut x, mut y) = (a, b);
-    while y > 0 {
-        (x, y) = (y, x % y);
-    }
-    (a / x.max(1)).checked_mul(b)
+    (a / gcd(a, b).max(1)).checked_mul(b)
+}
+
+/// The greatest number of which both are multiples.
+#[must_use]
+pub fn gcd(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 #[cfg(test)]

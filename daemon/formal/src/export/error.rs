@@ -1,6 +1,6 @@
 //! Why a model cannot be written.
 
-use crate::explore::Limit;
+use genom_timing::Limit;
 
 /// Why a model cannot be written.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

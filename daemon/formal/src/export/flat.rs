@@ -4,10 +4,10 @@ use std::collections::HashMap;
 
 use crate::action::Action;
 use crate::codels::small;
-use crate::explore::{Limit, Limits};
 use crate::state::State;
 use crate::system::System;
 use crate::timed::{Clock, Timed, Times, begins, clocks, greatest, is_urgent};
+use genom_timing::{Limit, Limits};
 
 use super::unit::unit;
 

@@ -11,10 +11,10 @@ mod uppaal;
 pub use claim::fairness;
 pub use error::ExportError;
 
-use crate::explore::Limits;
 use crate::ltl::Formula;
 use crate::system::System;
 use crate::timed::Times;
+use genom_timing::Limits;
 
 /// A language.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

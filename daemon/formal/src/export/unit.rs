@@ -2,6 +2,7 @@
 
 use crate::system::System;
 use crate::timed::Times;
+use genom_timing::gcd;
 
 /// The greatest time, in nanoseconds, of which all times are multiples.
 pub(super) fn unit(system: &System, times: &Times) -> u64 {
@@ -9,8 +10,4 @@ pub(super) fn unit(system: &System, times: &Times) -> u64 {
     let all = times.codels.iter().flat_map(|d| [d.least, d.most.unwrap_or(0)]);
     let all = all.chain(ticks.flat_map(|period| [period.period, period.delay]));
     all.fold(0, gcd).max(1)
-}
-
-fn gcd(a: u64, b: u64) -> u64 {
-    if b == 0 { a } else { gcd(b, a % b) }
 }

@@ -10,17 +10,16 @@ use std::time::Instant;
 use indexmap::IndexSet;
 use rustc_hash::FxBuildHasher;
 
-use super::circles::circles;
 use super::formula::{Comes, Formula};
 use crate::action::Action;
 use crate::codels::small;
-use crate::explore::{Limit, Limits};
-use crate::memory::{ENTRY, PIECE, listed};
 use crate::pack::{pack, unpacked};
 use crate::property::{Finding, Verdict};
 use crate::state::State;
 use crate::system::System;
 use crate::words::Line;
+use genom_timing::memory::{ENTRY, PIECE, listed};
+use genom_timing::{Limit, Limits, circles};
 
 /// Bytes that are taken for each state, beside the state itself, and for each step.
 const TABLES: usize =

@@ -1,7 +1,6 @@
 //! Formulas of users about runs: what they say, and whether it holds.
 
 mod atom;
-mod circles;
 mod comes;
 mod formula;
 mod parse;

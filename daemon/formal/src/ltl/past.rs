@@ -8,13 +8,13 @@ use indexmap::IndexSet;
 use rustc_hash::FxBuildHasher;
 
 use super::formula::{Formula, Term};
-use crate::explore::Limits;
-use crate::memory::{ENTRY, listed};
 use crate::pack::{pack, unpacked};
 use crate::property::{Finding, Verdict};
 use crate::state::State;
 use crate::system::System;
 use crate::words::Line;
+use genom_timing::Limits;
+use genom_timing::memory::{ENTRY, listed};
 
 /// Parts of a formula: their truths are bits.
 const PARTS: usize = 64;

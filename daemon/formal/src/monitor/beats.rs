@@ -2,12 +2,11 @@
 
 use genom_description::model::{CodelIx, PortIx, ServiceIx};
 use genom_runtime::{Beats, Happening};
-use genom_timing::duration;
+use genom_timing::{Limits, duration};
 
 use super::clocked::{Led, Step, Watch};
 use super::fires::Fires;
 use super::search::choices;
-use crate::explore::Limits;
 use crate::state::{Phase, State};
 use crate::system::System;
 use crate::timed::Times;

@@ -5,11 +5,10 @@ use std::time::Instant;
 
 use super::fires::{Fires, concluded, undecided};
 use crate::action::Action;
-use crate::explore::{Limit, Limits};
 use crate::state::{Phase, State};
 use crate::system::System;
 use crate::timed::{Clock, Table, Times, bound, clocks, guarded, initial, stepped};
-use genom_timing::Zone;
+use genom_timing::{Limit, Limits, Zone};
 
 /// What a rule waits for, going along with the system.
 pub(super) trait Watch {
@@ -163,7 +162,7 @@ impl System {
             if broken.is_some() && kept {
                 break;
             }
-            let bytes = table.bytes + watch.bytes();
+            let bytes = table.bytes() + watch.bytes();
             limit = limits.passed(table.len(), bytes, at as usize, begin);
             if limit.is_some() {
                 break;

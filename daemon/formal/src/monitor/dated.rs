@@ -10,11 +10,11 @@ use super::fires::{Fires, concluded, undecided};
 use super::moment::{Moment, most_clocks};
 use super::search::MOST_PORTS;
 use crate::action::{Action, Told};
-use crate::explore::{Limit, Limits};
-use crate::memory::{ENTRY, listed};
 use crate::state::State;
 use crate::system::System;
 use crate::timed::{Table, Times, clocks, guarded, initial, stepped};
+use genom_timing::memory::{ENTRY, listed};
+use genom_timing::{Limit, Limits};
 
 /// Limit on the dates that a formula has noted at the same time.
 const MOST_CLOCKS: u16 = 8;
@@ -113,7 +113,7 @@ impl System {
             if broken.is_some() && kept {
                 break;
             }
-            limit = limits.passed(table.len(), table.bytes + judges.bytes, at as usize, begin);
+            limit = limits.passed(table.len(), table.bytes() + judges.bytes, at as usize, begin);
             if limit.is_some() {
                 break;
             }

@@ -4,13 +4,12 @@ use std::time::{Duration, Instant};
 
 use genom_description::model::{CodelIx, CodelKind, Ix as _, Owner, TaskIx};
 use genom_runtime::{Happening, Part, Program, STUCK_AFTER, nanos, patience};
-use genom_timing::duration;
+use genom_timing::{Limits, duration};
 
 use super::cycles::Cycles;
 use super::fires::{Fires, undecided};
 use super::search::Watched;
 use super::ticks::Ticks;
-use crate::explore::Limits;
 use crate::system::System;
 use crate::timed::{TaskReport, Times};
 

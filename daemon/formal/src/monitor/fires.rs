@@ -1,7 +1,7 @@
 //! Whether a rule can be broken.
 
-use crate::explore::Limit;
 use crate::words::Line;
+use genom_timing::Limit;
 
 /// Whether a rule can be broken.
 #[derive(Clone, Debug, PartialEq, Eq)]

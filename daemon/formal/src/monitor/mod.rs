@@ -24,9 +24,9 @@ use genom_runtime::{Happening, Part, Program, Rule, nanos};
 
 pub use self::fires::Fires;
 use self::fires::undecided;
-use crate::explore::Limits;
 use crate::system::System;
 use crate::timed::Times;
+use genom_timing::Limits;
 
 impl System {
     /// Whether a rule can be broken. `times` are those of codels, or why they are not known.

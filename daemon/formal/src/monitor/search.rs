@@ -7,12 +7,12 @@ use indexmap::IndexSet;
 
 use super::fires::{Fires, concluded, undecided};
 use crate::action::Action;
-use crate::explore::{Limit, Limits};
-use crate::memory::{ENTRY, listed};
 use crate::pack::{packed, unpacked};
 use crate::state::State;
 use crate::system::System;
 use crate::words::Line;
+use genom_timing::memory::{ENTRY, listed};
+use genom_timing::{Limit, Limits};
 
 /// Bytes that the tables take for each node.
 const TABLES: usize = ENTRY + listed::<(u32, u16)>();

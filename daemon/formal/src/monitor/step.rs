@@ -5,9 +5,10 @@ use genom_description::model::{Ix as _, Owner, StateIx};
 use super::fires::Fires;
 use crate::action::Action;
 use crate::codels::small;
-use crate::explore::{Explored, Limits};
+use crate::explore::Explored;
 use crate::state::State;
 use crate::system::System;
+use genom_timing::Limits;
 
 impl System {
     pub(super) fn takes_step(

@@ -3,12 +3,12 @@
 use std::collections::VecDeque;
 
 use genom_timing::duration;
+use genom_timing::memory::{ENTRY, PIECE};
 use indexmap::IndexSet;
 
 use super::clocked::{Led, Step, Watch};
 use super::cycles::ends;
 use crate::action::Action;
-use crate::memory::{ENTRY, PIECE};
 use crate::state::{At, Phase, State, Task};
 use crate::system::System;
 

@@ -5,13 +5,12 @@ use std::time::Duration;
 
 use genom_description::model::{Ix as _, ServiceIx};
 use genom_runtime::nanos;
-use genom_timing::duration;
+use genom_timing::{Limits, duration};
 
 use super::clocked::{Led, Step, Watch};
 use super::fires::Fires;
 use crate::action::{Action, End, Told};
 use crate::codels::small;
-use crate::explore::Limits;
 use crate::state::State;
 use crate::system::System;
 use crate::timed::{Follow, Over, Times, accepts, after_into, forget, number, over, running};

@@ -20,13 +20,13 @@ use genom_description::model::{Ix as _, ServiceIx};
 
 use crate::action::{Action, Answer};
 use crate::codels::small;
-use crate::explore::{Limit, Limits};
 use crate::machines::Machine;
-use crate::memory::{ENTRY, listed};
 use crate::pack::{pack, unpacked};
 use crate::state::State;
 use crate::system::System;
 use crate::words::Line;
+use genom_timing::memory::{ENTRY, listed};
+use genom_timing::{Limit, Limits};
 
 /// Bytes that are taken for each state, beside the state itself, and for each step: as they are found,
 /// and then as they are followed back.

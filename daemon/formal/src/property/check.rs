@@ -3,9 +3,10 @@
 use super::parts::Parts;
 use super::verdict::{Property, Verdict};
 use super::{answer, graph, order, untimed};
-use crate::explore::{Limits, Looked};
+use crate::explore::Looked;
 use crate::ltl::Formula;
 use crate::system::System;
+use genom_timing::Limits;
 
 /// Verdicts, and how they were found.
 #[derive(Debug)]

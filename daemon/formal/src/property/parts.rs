@@ -11,8 +11,9 @@ use super::verdict::{Finding, Property, Verdict, verdict};
 use super::walks::walks;
 use crate::action::Answer;
 use crate::codels::small;
-use crate::explore::{Explored, Limits};
+use crate::explore::Explored;
 use crate::system::System;
+use genom_timing::Limits;
 
 /// What the parts of a component show.
 pub(super) struct Parts {

@@ -5,10 +5,11 @@ use genom_description::model::{CodelIx, Ix as _};
 use super::seen::Seen;
 use super::verdict::{Finding, Property, Verdict, verdict};
 use crate::action::Action;
-use crate::explore::{Explored, Limits};
+use crate::explore::Explored;
 use crate::state::{Phase, State};
 use crate::system::System;
 use crate::words::Line;
+use genom_timing::Limits;
 
 /// What was seen of the states.
 pub(super) struct Found {

@@ -1,7 +1,8 @@
 //! Random runs, which show what can happen.
 
+use genom_timing::Random;
+
 use crate::action::Action;
-use crate::random::Random;
 use crate::state::{Phase, State};
 use crate::system::System;
 

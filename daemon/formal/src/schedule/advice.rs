@@ -5,9 +5,7 @@ use super::report::{Processors, Schedule};
 use crate::codels::small;
 use crate::system::System;
 use crate::timed::Times;
-
-/// Times are found to this many nanoseconds.
-const STEP: u64 = 1_000;
+use genom_timing::below;
 
 impl System {
     /// Finds the codels of which a shorter time would do, each by itself.
@@ -29,16 +27,8 @@ impl System {
             let codels = 0..small(self.codels.len());
             let bound = |codel: u16| {
                 let duration = times.of(codel);
-                let (mut fine, mut wrong) = (duration.least, duration.most?);
-                if fine >= wrong || !holds(codel, fine) {
-                    return None;
-                }
-                while wrong - fine > STEP {
-                    let middle = fine + (wrong - fine) / 2;
-                    let middle = (middle / STEP * STEP).max(fine + 1);
-                    if holds(codel, middle) { fine = middle } else { wrong = middle }
-                }
-                Some((self.node_name(codel), wrong))
+                let found = below(duration.least, duration.most?, |most| holds(codel, most))?;
+                Some((self.node_name(codel), found))
             };
             schedule.tasks[at].needed = codels.filter_map(bound).collect();
         }

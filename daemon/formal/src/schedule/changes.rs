@@ -2,9 +2,8 @@
 
 use super::known::Cause;
 use super::machine::{Job, Machine};
+use genom_timing::below;
 
-/// Times are found to this many nanoseconds.
-const STEP: u64 = 1_000;
 /// Codels that are looked at; with more of them, none is.
 const MOST: usize = 200;
 
@@ -99,7 +98,7 @@ impl Machine<'_> {
             for codel in 0..count(at) {
                 let duration = self.components[at].times.codels[codel];
                 let Some(most) = duration.most else { continue };
-                let mut holds = |time: u64| {
+                let holds = |time: u64| {
                     other.components[at].times.codels[codel].most = Some(time);
                     let all = other.bounded(jobs);
                     let is = |one: &&super::OnMachine| {
@@ -107,18 +106,12 @@ impl Machine<'_> {
                     };
                     all.iter().find(is).is_some_and(|one| one.task.response.is_ok())
                 };
-                let (mut fine, mut wrong) = (duration.least, most);
-                if fine < wrong && holds(fine) {
-                    while wrong - fine > STEP {
-                        let middle = fine + (wrong - fine) / 2;
-                        let middle = (middle / STEP * STEP).max(fine + 1);
-                        if holds(middle) { fine = middle } else { wrong = middle }
-                    }
+                if let Some(below) = below(duration.least, most, holds) {
                     let placed = &self.components[at];
                     let node = u16::try_from(codel).unwrap_or(u16::MAX);
                     changes.push(Change::Time {
                         codel: format!("{}/{}", placed.name, placed.system.node_name(node)),
-                        below: wrong,
+                        below,
                         task: task.to_owned(),
                     });
                 }

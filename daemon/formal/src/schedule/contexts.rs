@@ -4,6 +4,8 @@ use crate::codels::small;
 use crate::services::Work;
 use crate::system::System;
 use crate::timed::Times;
+pub(super) use genom_timing::Ahead;
+use genom_timing::Chains;
 
 /// For each context, the nodes that it executes; for each node, who executes what it excludes.
 pub(super) struct Contexts {
@@ -11,14 +13,6 @@ pub(super) struct Contexts {
     /// Contexts and their nodes that conflict with a node.
     rivals: Vec<Vec<(u16, u16)>>,
     tasks: u16,
-}
-
-/// What a context may execute while another one waits for it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Ahead {
-    pub(super) context: u16,
-    pub(super) node: u16,
-    pub(super) time: u64,
 }
 
 /// How what is ahead adds up.
@@ -32,6 +26,11 @@ pub(super) enum Adds {
 
 impl Contexts {
     pub(super) fn new(system: &System) -> Self {
+        Self::with(system, &|_, _| true)
+    }
+
+    /// The same with the nodes of a context that `may` accepts, and no others.
+    pub(super) fn with(system: &System, may: &dyn Fn(u16, u16) -> bool) -> Self {
         let mut nodes = vec![Vec::new(); system.periods.len() + system.services.len()];
         for machine in &system.machines {
             let own = &mut nodes[usize::from(machine.task)];
@@ -47,7 +46,8 @@ impl Contexts {
                 Work::Abort => None,
             }));
         }
-        for own in &mut nodes {
+        for (own, context) in nodes.iter_mut().zip(0u16..) {
+            own.retain(|node| may(context, *node));
             own.sort_unstable();
             own.dedup();
         }
@@ -71,9 +71,29 @@ impl Contexts {
         &self.rivals[usize::from(node)]
     }
 
-    /// Whether a context is a task.
-    pub(super) fn is_task(&self, context: u16) -> bool {
-        context < self.tasks
+    /// What may be ahead of a context that arrives at a node: who arrives later is behind, so each
+    /// other context is there once at most, with a node that conflicts, or that one of those waits
+    /// for. Only contexts that `counts` accepts are listed.
+    pub(super) fn ahead(
+        &self,
+        system: &System,
+        times: &Times,
+        (own, node): (u16, u16),
+        counts: &dyn Fn(u16) -> bool,
+        adds: Adds,
+    ) -> Vec<Ahead> {
+        let all = self.all(system, times, (own, node), counts);
+        if adds == Adds::All {
+            return all;
+        }
+        let sum = |ahead: &[Ahead]| ahead.iter().map(|one| one.time).fold(0, u64::saturating_add);
+        let most = |node: u16| times.of(node).most.unwrap_or(0);
+        let time = |context: u16, node: u16| if counts(context) { most(node) } else { 0 };
+        let workers = system.bounds.requests.min(system.services.len());
+        match Chains::new(&self.rivals, self.tasks, &time).longest((own, node), workers) {
+            Some(chain) if sum(&chain) <= sum(&all) => chain,
+            _ => all,
+        }
     }
 
     /// All that may be ahead, whether it waits for each other or not.

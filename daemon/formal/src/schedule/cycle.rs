@@ -1,10 +1,11 @@
 //! The dearest cycle of a task: codels with what they wait for.
 
-use super::alive::{dearest, services_of};
 use super::contexts::{Adds, Ahead, Contexts};
 use super::ways::{Endless, Way, Ways};
+use crate::codels::small;
 use crate::system::System;
 use crate::timed::Times;
+use genom_timing::dearest;
 
 /// The dearest cycle of a task.
 pub(super) struct Cycle {
@@ -85,7 +86,10 @@ impl Cycle {
         }
         let weights: Vec<(u16, u64)> =
             all.iter().map(|(service, _, way)| (*service, way.cost)).collect();
-        for (service, _) in dearest(system, &weights) {
+        // Of two that interrupt each other, only one has begun at a time (R12).
+        let together = |a: u16, b: u16| !(system.interrupts(a, b) && system.interrupts(b, a));
+        let most = (system.bounds.slots, system.bounds.instances);
+        for (service, _) in dearest(&weights, most, &together) {
             if let Some((_, machine, way)) = all.iter().find(|(other, ..)| *other == service) {
                 total = total.saturating_add(way.cost);
                 ways.push((*machine, way.codels.clone()));
@@ -94,4 +98,11 @@ impl Cycle {
         ways.retain(|(_, codels)| !codels.is_empty());
         Ok(Self { cost: total, permanent, ways, ahead })
     }
+}
+
+/// The services whose activities a task runs.
+fn services_of(system: &System, task: u16) -> Vec<(u16, u16)> {
+    let machines = system.machines.iter().zip(0..small(system.machines.len()));
+    let of_task = machines.filter(|(machine, _)| machine.task == task);
+    of_task.filter_map(|(machine, at)| Some((machine.service?, at))).collect()
 }

@@ -22,9 +22,15 @@ pub(crate) struct Dearest {
 }
 
 impl Dearest {
-    /// `None` if a cycle may have no end.
-    pub(crate) fn new(system: &System, times: &Times, task: u16) -> Option<Self> {
-        let contexts = Contexts::new(system);
+    /// If other contexts execute what `may` says; `None` if a cycle may have no end.
+    pub(crate) fn new(
+        system: &System,
+        times: &Times,
+        task: u16,
+        may: &dyn Fn(u16, u16) -> bool,
+    ) -> Option<Self> {
+        let contexts =
+            Contexts::with(system, &|context, node| context == task || may(context, node));
         let all = |_: u16| true;
         let costs = Costs::new(system, times, &contexts, task, (&all, Adds::Chain)).costs;
         let machine = |machine: &crate::machines::Machine| {

@@ -18,6 +18,8 @@ use crate::timed::Times;
 /// How long a cycle may get that begins with these activities; anything if it cannot be told.
 pub(crate) type CycleLength<'a> = dyn Fn(&[(u16, Does)]) -> u64 + 'a;
 
+/// Lists of activities whose cycles are walked through for one search: more would take too long.
+const LISTS: usize = 5_000;
 /// Ticks of a task, from one date at which all tick to the next.
 const TICKS: u64 = 64;
 
@@ -72,10 +74,17 @@ impl System {
         let contexts = Contexts::new(self);
         let Some(linked) = self.linked(times, &contexts) else { return then(&|_| u64::MAX) };
         let facts = Facts::all(self, times, (&contexts, &linked));
+        let told: RefCell<HashMap<Vec<(u16, Does)>, u64>> = RefCell::default();
         then(&|runs| {
-            let from = |walk: Walk<'_>| walk.from(Some(runs.to_vec()));
-            let latest = self.at_ticks(times, task, (&facts, &linked), known, &from);
-            latest.map_or(u64::MAX, |latest| latest.cycle)
+            let mut told = told.borrow_mut();
+            if told.len() >= LISTS && !told.contains_key(runs) {
+                return u64::MAX;
+            }
+            *told.entry(runs.to_vec()).or_insert_with_key(|runs| {
+                let from = |walk: Walk<'_>| walk.from(Some(runs.clone()));
+                let latest = self.at_ticks(times, task, (&facts, &linked), known, &from);
+                latest.map_or(u64::MAX, |latest| latest.cycle)
+            })
         })
     }
 

@@ -4,8 +4,6 @@
 //! within its bounds, and takes a processor for each task. `docs/verify.md` has the formulas.
 
 mod advice;
-mod alive;
-mod chain;
 mod changes;
 mod contexts;
 mod cycle;
@@ -25,4 +23,4 @@ pub use known::{Cause, Meanwhile};
 pub(crate) use latest::CycleLength;
 pub use machine::{Machine, OnMachine, Placed, Threads};
 pub use report::{Called, Processors, Schedule, Scheduled, Waits};
-pub(crate) use walk::Does;
+pub(crate) use walk::{Does, Latest};

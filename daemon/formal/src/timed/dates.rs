@@ -5,35 +5,15 @@ use super::times::Times;
 use crate::action::Action;
 use crate::state::State;
 use crate::system::System;
-
-/// That one date is at least another one plus a time, which may be negative.
-struct AtLeast {
-    /// Number of a step plus one; 0 is the start of the component.
-    later: usize,
-    earlier: usize,
-    by: i64,
-}
+use genom_timing::{AtLeast, earliest};
 
 /// The dates of the steps of a run, in nanoseconds from the start of the component.
 pub(crate) fn dates(system: &System, times: &Times, run: &[(State, Action)]) -> Vec<u64> {
-    let rules = rules(system, times, run);
-    let mut dates = vec![0i64; run.len() + 1];
-    // The run is possible, so no cycle of rules moves dates on for ever.
-    for _ in 0..=run.len() {
-        let mut moved = false;
-        for rule in &rules {
-            let least = dates[rule.earlier] + rule.by;
-            if dates[rule.later] < least {
-                (dates[rule.later], moved) = (least, true);
-            }
-        }
-        if !moved {
-            break;
-        }
-    }
+    let dates = earliest(run.len() + 1, &rules(system, times, run));
     dates.into_iter().skip(1).map(|date| u64::try_from(date).unwrap_or(0)).collect()
 }
 
+/// Rules about the numbers of steps plus one; 0 is the start of the component.
 fn rules(system: &System, times: &Times, run: &[(State, Action)]) -> Vec<AtLeast> {
     let mut rules = Vec::new();
     let mut push = |later, earlier, by| rules.push(AtLeast { later, earlier, by });

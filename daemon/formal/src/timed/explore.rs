@@ -6,10 +6,9 @@ use super::clocks::{Clock, clocks, guarded, initial, stepped};
 use super::table::Table;
 use super::times::Times;
 use crate::action::Action;
-use crate::explore::{Limit, Limits};
 use crate::state::{At, Phase, State};
 use crate::system::System;
-use genom_timing::Zone;
+use genom_timing::{Limit, Limits, Zone};
 
 /// States that were reached, with the values of clocks.
 #[derive(Debug)]
@@ -86,7 +85,7 @@ impl Timed {
                     all.table.add(&next, zone, (number, step));
                 }
             }
-            all.limit = limits.passed(all.table.len(), all.table.bytes, at as usize, begin);
+            all.limit = limits.passed(all.table.len(), all.table.bytes(), at as usize, begin);
             let done = late.is_some_and(|late| all.overruns[late].is_some());
             if done || all.limit.is_some() {
                 break;
@@ -139,7 +138,7 @@ impl Timed {
     /// Number of states, without values of clocks.
     #[must_use]
     pub fn states(&self) -> usize {
-        self.table.states()
+        self.table.all().len()
     }
 
     /// The states, in the order in which they were found.

@@ -16,8 +16,10 @@ mod respond;
 mod seek;
 mod slack;
 mod spent;
+mod still;
 mod table;
 mod times;
+mod walks;
 
 pub(crate) use clocks::{
     Clock, begins, bound, clocks, greatest, guarded, initial, is_urgent, stepped,
@@ -28,7 +30,8 @@ pub(crate) use follow::{Follow, Over, accepts, after_into, forget, number, over,
 pub(crate) use potential::Potential;
 pub use report::{Dated, Seen, TaskReport, TimedReport};
 pub use respond::{Longest, Response};
-pub(crate) use seek::seek;
+pub(crate) use seek::{Steps, seek};
 pub use spent::Spent;
 pub(crate) use table::Table;
 pub use times::{Duration, Times};
+pub(crate) use walks::walks;

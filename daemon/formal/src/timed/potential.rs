@@ -2,17 +2,20 @@
 
 use std::cell::RefCell;
 use std::collections::HashMap;
+use std::rc::Rc;
 
 use super::clocks::Clock;
 use super::explore::works;
+use super::still::{Nodes, has, still};
 use super::times::Times;
+use crate::action::Answer;
 use crate::schedule::{CycleLength, Dearest, Does};
 use crate::state::{At, Life, Mode, Pc, Place, Run, State};
 use crate::system::System;
 use genom_timing::Zone;
 
-/// Lists of activities whose cycles are walked through for one search: more would take too long.
-const LISTS: usize = 1_000;
+/// Lists of nodes of others that are told apart.
+const LISTS: usize = 5_000;
 
 /// What each state of the machines of a task may lead to in one cycle.
 pub(crate) struct Potential<'a> {
@@ -20,10 +23,10 @@ pub(crate) struct Potential<'a> {
     pub(super) times: &'a Times,
     pub(super) task: u16,
     pub(super) period: u64,
-    dearest: Dearest,
+    dearest: Rc<Dearest>,
+    /// The same, if other tasks may only execute some nodes any more.
+    known: RefCell<HashMap<Nodes, Rc<Dearest>>>,
     longest: &'a CycleLength<'a>,
-    /// What that said before.
-    told: RefCell<HashMap<Vec<(u16, Does)>, u64>>,
 }
 
 impl<'a> Potential<'a> {
@@ -34,9 +37,10 @@ impl<'a> Potential<'a> {
         task: u16,
         longest: &'a CycleLength<'a>,
     ) -> Option<Self> {
-        let dearest = Dearest::new(system, times, task)?;
+        let dearest = Rc::new(Dearest::new(system, times, task, &|_, _| true)?);
         let period = system.periods[usize::from(task)]?.period;
-        Some(Self { system, times, task, period, dearest, longest, told: RefCell::default() })
+        let known = RefCell::default();
+        Some(Self { system, times, task, period, dearest, known, longest })
     }
 
     /// The longest time from its tick to the end of the cycle that a task is in, or of its next one
@@ -49,37 +53,60 @@ impl<'a> Potential<'a> {
             // Once the tick has come, those that wait may be sent too late for that.
             let stays = |run: &&Run| begins || !self.is_stopped(run, &waiting);
             let sent = || me.runs.iter().chain(&me.inbox).filter(stays);
-            let runs = sent().map(|run| self.run(run, true, None));
+            let runs = sent().map(|run| self.run(&self.dearest, run, (true, true), None));
             let more = waiting.iter().map(|machine| self.dearest.begun(*machine));
             let sum = runs.chain(more).fold(0, u64::saturating_add);
             let listed =
                 if sum < self.period { None } else { listed(self.system, sent(), &waiting) };
-            return listed.map_or(sum, |runs| sum.min(self.walked(runs)));
+            return listed.map_or(sum, |runs| sum.min((self.longest)(&runs)));
         }
         let present = match me.at {
             At::Codel { run, place } => Some((run, place)),
             _ => None,
         };
-        let runs = me.runs.iter().zip(0u16..).map(|(run, at)| {
-            let present = present.filter(|(of, _)| *of == at).map(|(_, place)| place);
-            self.run(run, false, present)
+        // Who is asked to stop does so in another pass.
+        let goes = |run: &Run| {
+            let ready = run.places.iter().filter(|place| place.mode == Mode::Ready);
+            let codels = ready.filter_map(|place| {
+                self.system.machines[usize::from(run.machine)].codel(place.state)
+            });
+            let answers = codels.flat_map(|codel| &self.system.codels[usize::from(codel)].answers);
+            run.end.is_none() && answers.into_iter().any(|answer| matches!(answer, Answer::Go(_)))
+        };
+        let again = me.again || matches!(me.at, At::Begin { .. }) || me.runs.iter().any(goes);
+        let sum = |dearest: &Dearest| {
+            let runs = me.runs.iter().zip(0u16..).map(|(run, at)| {
+                let present = present.filter(|(of, _)| *of == at).map(|(_, place)| place);
+                self.run(dearest, run, (false, again), present)
+            });
+            let rest = runs.fold(0, u64::saturating_add);
+            self.ends(state, (clocks, zone)).saturating_add(rest)
+        };
+        let all = sum(&self.dearest);
+        if all < self.period {
+            return all;
+        }
+        sum(&self.dearest_with(still((self.system, self.times), self.task, state, (clocks, zone))))
+    }
+
+    /// What there is to come if other tasks execute nothing else any more.
+    fn dearest_with(&self, nodes: Nodes) -> Rc<Dearest> {
+        let mut known = self.known.borrow_mut();
+        if known.len() >= LISTS && !known.contains_key(&nodes) {
+            return self.dearest.clone();
+        }
+        let known = known.entry(nodes).or_insert_with_key(|nodes| {
+            let may = |context: u16, node: u16| !self.system.is_task(context) || has(nodes, node);
+            let found = Dearest::new(self.system, self.times, self.task, &may);
+            found.map_or_else(|| self.dearest.clone(), Rc::new)
         });
-        let rest = runs.fold(0, u64::saturating_add);
-        self.ends(state, (clocks, zone)).saturating_add(rest)
+        known.clone()
     }
 
     /// When what the task executes ends, from the tick before on; or how old its last tick may be.
     pub(super) fn progress(&self, state: &State, (clocks, zone): (&[Clock], &Zone)) -> u64 {
         let before = if works(state, usize::from(self.task)) { self.period } else { 0 };
         before.saturating_add(self.ends(state, (clocks, zone)))
-    }
-
-    /// How long a cycle may get that begins with these activities.
-    fn walked(&self, runs: Vec<(u16, Does)>) -> u64 {
-        let mut told = self.told.borrow_mut();
-        let walks = told.len() < LISTS;
-        let walk = |runs: &Vec<_>| if walks { (self.longest)(runs) } else { u64::MAX };
-        *told.entry(runs).or_insert_with_key(walk)
     }
 
     /// Machines of activities that were requested and not sent to the task.
@@ -101,15 +128,21 @@ impl<'a> Potential<'a> {
     }
 
     /// What a run may cost from where it is on, without the place that is executed.
-    fn run(&self, run: &Run, ticks: bool, present: Option<u16>) -> u64 {
+    fn run(
+        &self,
+        dearest: &Dearest,
+        run: &Run,
+        (ticks, again): (bool, bool),
+        present: Option<u16>,
+    ) -> u64 {
         if run.end.is_some() || run.life == Life::Cancelled {
             return 0;
         }
         if run.life == Life::Init {
-            return if ticks { self.dearest.begun(run.machine) } else { 0 };
+            return if ticks { dearest.begun(run.machine) } else { 0 };
         }
         let from = |(place, at): (&Place, u16), later: bool| {
-            self.dearest.from(run.machine, place.state, later, Some(at) == present)
+            dearest.from(run.machine, place.state, later, Some(at) == present)
         };
         let places = || run.places.iter().zip(0u16..);
         let active = |mode: Mode| mode == Mode::Ready || ticks && mode == Mode::Paused;
@@ -119,10 +152,11 @@ impl<'a> Potential<'a> {
         };
         // What is executed and can only end does so whether it is asked to stop or not.
         let asked = |one: (&Place, u16)| Some(one.1) != present || from(one, true).is_some();
-        let is_asked = run.life == Life::Run
+        let is_asked = again
+            && run.life == Life::Run
             && self.system.machines[usize::from(run.machine)].service.is_some()
             && places().any(|one| one.0.mode != Mode::Done && asked(one));
-        let stop = self.dearest.stop(run.machine).filter(|_| is_asked);
+        let stop = dearest.stop(run.machine).filter(|_| is_asked);
         sum(false).max(stop.map_or(0, |stop| sum(true).saturating_add(stop)))
     }
 
@@ -136,24 +170,9 @@ impl<'a> Potential<'a> {
             let begun = place(Clock::Since(context)).and_then(|at| zone.difference(tick, at));
             u64::try_from(begun.unwrap_or(0)).unwrap_or(0).saturating_add(most(node))
         };
-        if let Some(node) = state.lock.held_by(self.task) {
-            return ends(self.task, node);
-        }
         let now = zone.most(tick).and_then(|now| u64::try_from(now).ok()).unwrap_or(0);
-        // Each that waits begins when those have left that are ahead of it and that it excludes.
-        let held = state.lock.holders().map(|(context, node)| (node, ends(context, node)));
-        let mut ahead: Vec<(u16, u64)> = held.collect();
-        for (context, node) in &state.lock.queue {
-            let kept =
-                ahead.iter().filter(|(other, _)| self.system.conflicts.between(*node, *other));
-            let begins = kept.map(|(_, ends)| *ends).max().unwrap_or(now);
-            let ends = begins.saturating_add(most(*node));
-            if *context == self.task {
-                return ends;
-            }
-            ahead.push((*node, ends));
-        }
-        now
+        let all = state.lock.ends(&self.system.conflicts, (self.task, now), ends, most);
+        all.unwrap_or(now)
     }
 }
 

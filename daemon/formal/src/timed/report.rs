@@ -7,11 +7,11 @@ use super::slack::involved;
 use super::spent::Spent;
 use super::times::Times;
 use crate::action::Action;
-use crate::explore::{Limit, Limits};
 use crate::played::Course;
 use crate::state::State;
 use crate::system::System;
 use crate::words::Line;
+use genom_timing::{Limit, Limits};
 
 /// What was found about the time of a component.
 #[derive(Debug, Default)]

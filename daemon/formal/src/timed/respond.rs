@@ -10,10 +10,10 @@ use super::follow::{Over, after_into, choices, forget, number, over};
 use super::table::Table;
 use super::times::Times;
 use crate::codels::small;
-use crate::explore::{Limit, Limits};
 use crate::property::stops_late;
 use crate::state::State;
 use crate::system::System;
+use genom_timing::{Limit, Limits};
 
 /// What takes more than so many of the longest period is not told apart.
 const PERIODS: u64 = 16;
@@ -146,7 +146,7 @@ fn explore(system: &System, times: &Times, limits: &Limits) -> (Vec<Found>, Opti
                 }
             }
         }
-        let limit = limits.passed(table.len(), table.bytes, at as usize, begin);
+        let limit = limits.passed(table.len(), table.bytes(), at as usize, begin);
         if limit.is_some() {
             return (found, limit);
         }

@@ -4,12 +4,11 @@ use super::explore::Timed;
 use super::spent::last_cycle;
 use super::times::Times;
 use crate::action::Action;
-use crate::explore::Limits;
 use crate::state::State;
 use crate::system::System;
+use genom_timing::Limits;
+use genom_timing::below;
 
-/// Times are found to this many nanoseconds.
-const STEP: u64 = 1_000;
 /// Zones of an exploration that is repeated with other times.
 const MOST: usize = 5_000;
 /// The part of the time of a search that all of them together get.
@@ -51,17 +50,7 @@ impl System {
         };
         let bound = |codel: &u16| {
             let duration = times.of(*codel);
-            let (mut fine, mut wrong) = (duration.least, duration.most?);
-            if fine == wrong || !holds(*codel, fine) {
-                return None;
-            }
-            while wrong - fine > STEP {
-                let middle = fine + (wrong - fine) / 2;
-                // Whole steps, so that the result is a round number.
-                let middle = (middle / STEP * STEP).max(fine + 1);
-                if holds(*codel, middle) { fine = middle } else { wrong = middle }
-            }
-            Some((*codel, wrong))
+            Some((*codel, below(duration.least, duration.most?, |most| holds(*codel, most))?))
         };
         let in_time = |_: &&u16| begin.elapsed() < time;
         codels.iter().take_while(in_time).filter_map(bound).collect()

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
-use genom_formal::{Conflicts, Lock, Variant};
+use genom_formal::{Lock, Variant, conflicts as conflicts_of};
 use genom_runtime::exclusion::Exclusion;
 use genom_runtime::plan::Nodes;
 
@@ -56,7 +56,7 @@ fn exercise(seed: u64) -> (Vec<(usize, usize)>, Vec<Step>) {
     let pairs: Vec<(usize, usize)> =
         (0..10).map(|_| (node(&mut random), node(&mut random))).collect();
     let nodes = Nodes::of_pairs(NODES.into(), &pairs);
-    let (conflicts, mut lock) = (Conflicts::new(&nodes, None), Lock::default());
+    let (conflicts, mut lock) = (conflicts_of(&nodes, None), Lock::default());
     let exclusion = Arc::new(Exclusion::new(&nodes, usize::from(CONTEXTS) + 1));
     let ((entered, enters), (left, leaves)) = (channel(), channel());
     let threads = (0..CONTEXTS).map(|me| {
@@ -122,7 +122,7 @@ fn exercise(seed: u64) -> (Vec<(usize, usize)>, Vec<Step>) {
 /// Whether a model enters the same contexts at each step.
 fn follows(pairs: &[(usize, usize)], steps: &[Step], variant: Option<Variant>) -> bool {
     let nodes = Nodes::of_pairs(NODES.into(), pairs);
-    let (conflicts, mut lock) = (Conflicts::new(&nodes, variant), Lock::default());
+    let (conflicts, mut lock) = (conflicts_of(&nodes, variant), Lock::default());
     steps.iter().all(|step| {
         let entered: BTreeSet<u16> = match step.node {
             Some(node) => lock

@@ -6,7 +6,7 @@ use genom_description::model::{CodelIx, Ix as _, ServiceIx};
 use genom_runtime::{Happening, Part, Program};
 
 use super::*;
-use crate::random::Random;
+use genom_timing::Random;
 
 fn happening(number: usize) -> Happening {
     match number {

@@ -1,8 +1,4 @@
-//! Mutual exclusion of codels and data transfers (R5; genom3.md 4.5, 7.10).
-
-use genom_runtime::plan::Nodes;
-
-use crate::variant::Variant;
+//! Mutual exclusion of codels and data transfers (genom3.md 4.5, 7.10).
 
 /// Which nodes must not be executed at the same time.
 #[derive(Clone, Debug)]
@@ -12,18 +8,11 @@ pub struct Conflicts {
 }
 
 impl Conflicts {
-    /// The conflicts of a plan's nodes.
+    /// With a row for each node: which others it excludes. Unless it is fair, who waits is passed by
+    /// those that arrive later.
     #[must_use]
-    pub fn new(nodes: &Nodes, variant: Option<Variant>) -> Self {
-        let row = |node: usize| {
-            let mut row = vec![false; nodes.len()];
-            for &other in nodes.conflicts(node) {
-                row[other] = true;
-            }
-            row.into_boxed_slice()
-        };
-        let fair = variant != Some(Variant::UnfairLock);
-        Self { rows: (0..nodes.len()).map(row).collect(), fair }
+    pub fn new(rows: Vec<Box<[bool]>>, fair: bool) -> Self {
+        Self { rows, fair }
     }
 
     /// Whether two nodes exclude each other.
@@ -37,9 +26,21 @@ impl Conflicts {
 #[derive(Debug, Default, PartialEq, Eq, Hash)]
 pub struct Lock {
     /// Contexts and the nodes that they execute, in the order of contexts.
-    pub(crate) held: Vec<(u16, u16)>,
+    pub held: Vec<(u16, u16)>,
     /// Contexts and the nodes that they wait for, in order of arrival.
-    pub(crate) queue: Vec<(u16, u16)>,
+    pub queue: Vec<(u16, u16)>,
+}
+
+impl Clone for Lock {
+    fn clone(&self) -> Self {
+        Self { held: self.held.clone(), queue: self.queue.clone() }
+    }
+
+    /// Into the lists that are there.
+    fn clone_from(&mut self, source: &Self) {
+        self.held.clone_from(&source.held);
+        self.queue.clone_from(&source.queue);
+    }
 }
 
 impl Lock {
@@ -89,6 +90,33 @@ impl Lock {
         self.held.iter().copied()
     }
 
+    /// When the node ends that a context executes or waits for, if each that is executed ends when
+    /// `ends` says, and those that wait begin when all that are ahead of them have left, or now, and
+    /// take so long as `most` says; `None` if it has no node.
+    pub fn ends(
+        &self,
+        conflicts: &Conflicts,
+        (context, now): (u16, u64),
+        ends: impl Fn(u16, u16) -> u64,
+        most: impl Fn(u16) -> u64,
+    ) -> Option<u64> {
+        if let Some(node) = self.held_by(context) {
+            return Some(ends(context, node));
+        }
+        let held = self.held.iter().map(|(context, node)| (*node, ends(*context, *node)));
+        let mut ahead: Vec<(u16, u64)> = held.collect();
+        for (waiter, node) in &self.queue {
+            let kept = ahead.iter().filter(|(other, _)| conflicts.between(*node, *other));
+            let begins = kept.map(|(_, ends)| *ends).max().unwrap_or(now);
+            let ends = begins.saturating_add(most(*node));
+            if *waiter == context {
+                return Some(ends);
+            }
+            ahead.push((*node, ends));
+        }
+        None
+    }
+
     /// Whether nobody executes a conflicting node, nor waits for one among the first `ahead`.
     fn is_free(&self, conflicts: &Conflicts, node: u16, ahead: usize) -> bool {
         let ahead = if conflicts.fair { &self.queue[..ahead] } else { &[] };
@@ -99,5 +127,23 @@ impl Lock {
     fn hold(&mut self, context: u16, node: u16) {
         let at = self.held.partition_point(|(holder, _)| *holder < context);
         self.held.insert(at, (context, node));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_waits_ends_after_all_that_are_ahead_and_conflict() {
+        // Node 1 conflicts with 0 and 2.
+        let row = |others: &[usize]| (0..3).map(|other| others.contains(&other)).collect();
+        let conflicts = Conflicts::new(vec![row(&[1]), row(&[0, 2]), row(&[1])], true);
+        let mut lock = Lock::default();
+        assert!(lock.enter(&conflicts, 0, 0));
+        assert!(!lock.enter(&conflicts, 1, 1) && !lock.enter(&conflicts, 2, 2));
+        let ends =
+            |context| lock.ends(&conflicts, (context, 3), |_, _| 10, |node| 100 * u64::from(node));
+        assert_eq!([ends(0), ends(1), ends(2), ends(3)], [Some(10), Some(110), Some(310), None]);
     }
 }

@@ -2,13 +2,14 @@
 //! is one: each element is counted as in a list that has just doubled.
 
 /// What an allocator may add to each piece of memory.
-pub(crate) const PIECE: usize = 16;
+pub const PIECE: usize = 16;
 
 /// Of an entry of an `IndexSet` of bytes, beside the bytes: in its list a hash and where the bytes
 /// are, and in its table, which is filled by 7/16 at least, a number and a mark.
-pub(crate) const ENTRY: usize = listed::<(u64, Box<[u8]>)>() + (8 + 1) * 16 / 7 + 1 + PIECE;
+pub const ENTRY: usize = listed::<(u64, Box<[u8]>)>() + (8 + 1) * 16 / 7 + 1 + PIECE;
 
 /// Of an element of a list that grows.
-pub(crate) const fn listed<T>() -> usize {
+#[must_use]
+pub const fn listed<T>() -> usize {
     2 * size_of::<T>()
 }

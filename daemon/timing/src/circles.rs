@@ -6,7 +6,8 @@ const NONE: u32 = u32::MAX;
 
 /// For each node that can be reached from `roots`, the number of its circle: the nodes that lead to
 /// each other. Numbers begin at 0; other nodes have none.
-pub(super) fn circles<I: Iterator<Item = u32>>(
+#[must_use]
+pub fn circles<I: Iterator<Item = u32>>(
     count: usize,
     roots: &[u32],
     next: impl Fn(u32) -> I,
@@ -61,5 +62,19 @@ pub(super) fn circles<I: Iterator<Item = u32>>(
 }
 
 #[cfg(test)]
-#[path = "../../tests/unit/circles.rs"]
-mod tests;
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nodes_that_lead_to_each_other_are_one_circle() {
+        let edges: [&[u32]; 7] = [&[1], &[2, 3], &[0], &[4], &[5], &[4], &[6]];
+        let next = |node: u32| edges[node as usize].iter().copied();
+        let found = circles(7, &[0], next);
+        assert_eq!(found[0], found[1]);
+        assert_eq!(found[0], found[2]);
+        assert_eq!(found[4], found[5]);
+        assert_ne!(found[3], found[0]);
+        assert_ne!(found[3], found[4]);
+        assert_eq!(found[6], NONE, "it is not reached");
+    }
+}
