@@ -12,6 +12,8 @@
 mod acts;
 #[path = "hiroz/described.rs"]
 mod described;
+#[path = "world/services.rs"]
+mod services;
 #[path = "world/zenoh.rs"]
 mod world;
 
@@ -24,11 +26,12 @@ use genom_conformance::eventually;
 use genom_conformance::samples::basic;
 use genom_middleware::{
     ActivityId, Address, Discovery, EndpointKind, OpenError, Outcome, Policy, PortSpec, Ports,
-    Quality, Reading, Replies, ServiceHandler, ServiceKind, ServiceType, Services,
+    Quality, Reading, Replies, ServiceHandler, Services,
 };
 use genom_ros2::{Options, Ros2};
-use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeId, TypeTable};
+use genom_types::{DataType, Kind, Record};
 use serde_json::{Value, json};
+use services::{count, reset};
 use world::Place;
 
 const FLOAT: &str = "std_msgs::msg::dds_::Float64_";
@@ -199,24 +202,6 @@ fn ends_of_hiroz_whose_type_has_another_hash_are_told_of_with_both_hashes() {
         );
         assert_eq!(told.iter().map(|one| &one.what).collect::<Vec<_>>(), [&what]);
     }
-}
-
-type Make = fn(&mut TypeTable) -> TypeId;
-
-/// `::demo::SERVICE::input` or `output`.
-fn part(service: &str, part: &str, members: &[(&str, Make)]) -> DataType {
-    let mut table = TypeTable::default();
-    let member =
-        |(name, make): &(&str, Make)| Member { name: (*name).to_owned(), ty: make(&mut table) };
-    let members = members.iter().map(member).collect();
-    let name = ScopedName::new(["demo", service, part]);
-    let id = table.add(Kind::Struct { name, members });
-    DataType::new(&Arc::new(table), id).unwrap()
-}
-
-fn reset() -> ServiceType {
-    let (input, output) = (part("reset", "input", &[]), part("reset", "output", &[]));
-    ServiceType::new(ServiceKind::Function, input, output)
 }
 
 fn masquerading(place: &Place) -> Arc<Ros2> {

@@ -7,6 +7,8 @@
     reason = "test code, also outside of test functions"
 )]
 
+#[path = "world/services.rs"]
+mod services;
 #[path = "world/zenoh.rs"]
 mod world;
 
@@ -18,10 +20,11 @@ use genom_conformance::eventually;
 use genom_conformance::samples::{note, note_of, numbered, state};
 use genom_middleware::{
     ActivityId, Address, CallError, Discovery, Middleware, Outcome, Policy, PortSpec, Ports,
-    Reading, Replies, ServiceHandler, ServiceKind, ServiceType, Services, Subscription,
+    Reading, Replies, ServiceHandler, Services, Subscription,
 };
 use genom_ros2::{Options, Ros2};
-use genom_types::{DataType, Kind, Record, ScopedName, TypeTable};
+use genom_types::{DataType, Record};
+use services::reset;
 use world::Place;
 use zenoh::Wait;
 use zenoh::liveliness::LivelinessToken;
@@ -263,16 +266,6 @@ fn who_tells_of_a_type_by_many_names_does_not_keep_others_from_being_read() {
     let mut writer = writer.unwrap();
     writer.publish(&numbered(3)).unwrap();
     reads(&mut *reader, &numbered(3));
-}
-
-fn reset() -> ServiceType {
-    let part = |part: &str| {
-        let mut table = TypeTable::default();
-        let name = ScopedName::new(["demo", "reset", part]);
-        let id = table.add(Kind::Struct { name, members: Vec::new() });
-        DataType::new(&Arc::new(table), id).unwrap()
-    };
-    ServiceType::new(ServiceKind::Function, part("input"), part("output"))
 }
 
 /// Keeps requests without answering them.

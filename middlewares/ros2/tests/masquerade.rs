@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "test code, also outside of test functions")]
 
 mod served;
+#[path = "world/services.rs"]
+mod services;
 mod world;
 
 use std::sync::{Arc, Mutex};
@@ -14,8 +16,9 @@ use genom_middleware::{
     ServiceKind, ServiceType, Services,
 };
 use genom_ros2::{Options, Ros2, ServiceMapping};
-use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeId, TypeTable};
+use genom_types::{DataType, Kind, Record};
 use serde_json::{Value, json};
+use services::{BOOLEAN, DOUBLE, LONG, Make, count, reset, service};
 use world::Domain;
 
 /// Only a failing test waits this long.
@@ -26,47 +29,11 @@ fn peer(domain: &Domain) -> Peer {
     Peer::start(&mut node.unwrap_or_else(|error| panic!("there is no ROS 2: {error}")))
 }
 
-type Make = fn(&mut TypeTable) -> TypeId;
-
-const BOOLEAN: Make = |table| table.add(Kind::Boolean);
-const LONG: Make = |table| table.add(Kind::Long);
 const TEXT: Make = |table| table.add(Kind::String { bound: Some(32) });
-const LONGS: Make = |table| {
-    let element = table.add(Kind::Long);
-    table.add(Kind::Sequence { element, bound: Some(64) })
-};
-
-/// `::demo::SERVICE::input` or `output`.
-fn part(service: &str, part: &str, members: &[(&str, Make)]) -> DataType {
-    let mut table = TypeTable::default();
-    let member =
-        |(name, make): &(&str, Make)| Member { name: (*name).to_owned(), ty: make(&mut table) };
-    let members = members.iter().map(member).collect();
-    let name = ScopedName::new(["demo", service, part]);
-    let id = table.add(Kind::Struct { name, members });
-    DataType::new(&Arc::new(table), id).unwrap()
-}
-
-fn service(
-    kind: ServiceKind,
-    name: &str,
-    input: &[(&str, Make)],
-    output: &[(&str, Make)],
-) -> ServiceType {
-    ServiceType::new(kind, part(name, "input", input), part(name, "output", output))
-}
 
 fn enable() -> ServiceType {
     let output: &[(&str, Make)] = &[("success", BOOLEAN), ("message", TEXT)];
     service(ServiceKind::Attribute, "enable", &[("on", BOOLEAN)], output)
-}
-
-fn reset() -> ServiceType {
-    service(ServiceKind::Function, "reset", &[], &[])
-}
-
-fn count() -> ServiceType {
-    service(ServiceKind::Activity, "count", &[("most", LONG)], &[("numbers", LONGS)])
 }
 
 fn open(domain: &Domain) -> Arc<Ros2> {

@@ -7,6 +7,8 @@
 
 mod frames;
 mod parameters;
+#[path = "world/services.rs"]
+mod services;
 mod world;
 
 use std::sync::Arc;
@@ -289,7 +291,7 @@ fn types_of_ros_are_described_as_a_node_of_ros_describes_them() {
 fn a_component_that_serves_the_name_of_descriptions_itself_describes_no_types() {
     let domain = Domain::new(ServiceMapping::Enhanced);
     let ros2 = domain.open();
-    let _own = Attribute::serve(&ros2, &Ids::default(), "type_description", |_| Kind::Double);
+    let _own = Attribute::serve(&ros2, &Ids::default(), "type_description", services::DOUBLE);
     let mut peer = peer(&domain);
     peer.ask(&json!(["parameters", "robot"]));
     let types = peer.ask(&json!(["service", "/robot/get_type_description", "robot", "/"]));

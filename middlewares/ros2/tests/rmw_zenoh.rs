@@ -11,6 +11,8 @@
 mod actions;
 mod buffers;
 mod own_services;
+#[path = "world/services.rs"]
+mod services;
 mod told;
 #[path = "world/zenoh.rs"]
 mod world;
@@ -25,12 +27,12 @@ use genom_conformance::eventually;
 use genom_conformance::samples::basic;
 use genom_middleware::{
     ActivityId, Address, CallError, Discovery, EndpointKind, Middleware, OpenError, Outcome,
-    Policy, PortSpec, Ports, Quality, Reading, Replies, ServiceHandler, ServiceKind, ServiceType,
-    Services,
+    Policy, PortSpec, Ports, Quality, Reading, Replies, ServiceHandler, ServiceKind, Services,
 };
 use genom_ros2::{Options, Ros2};
-use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeId, TypeTable};
+use genom_types::{DataType, Kind, Record};
 use serde_json::{Value, json};
+use services::{DOUBLE, count, reset, service};
 use world::Place;
 
 const FLOAT: &str = "std_msgs::msg::dds_::Float64_";
@@ -178,35 +180,6 @@ fn late_readers_get_the_last_value_both_ways_if_it_is_transient_local() {
     let mut got = Record::new(&double());
     eventually("the last value arrives", || late.read(&mut got).unwrap() == Reading::New);
     assert_eq!((read_of(&got), late.dropped()), (3.0, 0));
-}
-
-type Make = fn(&mut TypeTable) -> TypeId;
-
-/// `::demo::SERVICE::input` or `output`.
-fn part(service: &str, part: &str, members: &[(&str, Make)]) -> DataType {
-    let mut table = TypeTable::default();
-    let member =
-        |(name, make): &(&str, Make)| Member { name: (*name).to_owned(), ty: make(&mut table) };
-    let members = members.iter().map(member).collect();
-    let name = ScopedName::new(["demo", service, part]);
-    let id = table.add(Kind::Struct { name, members });
-    DataType::new(&Arc::new(table), id).unwrap()
-}
-
-fn reset() -> ServiceType {
-    let (input, output) = (part("reset", "input", &[]), part("reset", "output", &[]));
-    ServiceType::new(ServiceKind::Function, input, output)
-}
-
-fn count() -> ServiceType {
-    const LONG: Make = |table| table.add(Kind::Long);
-    const LONGS: Make = |table| {
-        let element = table.add(Kind::Long);
-        table.add(Kind::Sequence { element, bound: Some(64) })
-    };
-    let input = part("count", "input", &[("most", LONG)]);
-    let output = part("count", "output", &[("numbers", LONGS)]);
-    ServiceType::new(ServiceKind::Activity, input, output)
 }
 
 fn masquerading(place: &Place) -> Arc<Ros2> {

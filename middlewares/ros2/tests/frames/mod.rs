@@ -4,23 +4,14 @@ mod samples;
 
 use std::path::Path;
 
-use genom_middleware::{Middleware, Quality};
-use samples::{TF, frames, told, write};
+use samples::{Arm, TF, told, write};
 
 use super::*;
 
 #[test]
 fn tf2_gets_the_frames_of_a_component_and_the_static_ones_though_it_comes_late() {
     let domain = Domain::new(ServiceMapping::Enhanced);
-    let masquerade = [("::arm::frames".to_owned(), TF.to_owned())].into();
-    let ros2 = Ros2::open(&Options { masquerade, ..domain.options() }).unwrap();
-    ros2.masquerade("arm/moving", "/tf").unwrap();
-    ros2.masquerade("arm/fixed", "/tf_static").unwrap();
-    let (moving, fixed) = (Address::new("arm", "moving"), Address::new("arm", "fixed"));
-    let ty = frames();
-    let mut moving = ros2.publisher(&PortSpec::new(&moving, &ty)).unwrap();
-    let latched = Quality { transient_local: Some(true), ..Quality::default() };
-    let mut fixed = ros2.publisher(&PortSpec::new(&fixed, &ty).of(latched)).unwrap();
+    let Arm { mut moving, mut fixed } = Arm::open(domain.options());
     write(&mut *fixed, "base", "camera", 0.25);
 
     let package = Path::new(env!("CARGO_MANIFEST_DIR"));

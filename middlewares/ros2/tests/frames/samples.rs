@@ -1,8 +1,9 @@
-//! Frames as a port has them, and as tf2 gets them.
+//! Ports for frames, and frames as a port has them and as tf2 gets them.
 
 use std::sync::Arc;
 
-use genom_middleware::Publisher;
+use genom_middleware::{Address, Middleware as _, PortSpec, Ports as _, Publisher, Quality};
+use genom_ros2::{Options, Ros2};
 use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeId, TypeTable};
 use serde_json::{Value, json};
 
@@ -28,6 +29,29 @@ pub(super) fn frames() -> DataType {
     let name = ScopedName::new(["arm", "frames"]);
     let id = table.add(Kind::Struct { name, members: vec![member] });
     DataType::new(&Arc::new(table), id).unwrap()
+}
+
+/// Out ports of a component `arm`.
+pub(super) struct Arm {
+    /// On `/tf`.
+    pub(super) moving: Box<dyn Publisher>,
+    /// On `/tf_static`, of which a late reader gets the last sample.
+    pub(super) fixed: Box<dyn Publisher>,
+}
+
+impl Arm {
+    pub(super) fn open(options: Options) -> Self {
+        let masquerade = [("::arm::frames".to_owned(), TF.to_owned())].into();
+        let ros2 = Ros2::open(&Options { masquerade, ..options }).unwrap();
+        let port = |name: &str, topic: &str, latched: bool| {
+            ros2.masquerade(&format!("arm/{name}"), topic).unwrap();
+            let quality =
+                Quality { transient_local: latched.then_some(true), ..Quality::default() };
+            let (at, ty) = (Address::new("arm", name), frames());
+            ros2.publisher(&PortSpec::new(&at, &ty).of(quality)).unwrap()
+        };
+        Self { moving: port("moving", "/tf", false), fixed: port("fixed", "/tf_static", true) }
+    }
 }
 
 pub(super) fn write(writer: &mut dyn Publisher, parent: &str, name: &str, x: f64) {

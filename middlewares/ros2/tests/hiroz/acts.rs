@@ -9,17 +9,6 @@ const PATIENCE: Duration = Duration::from_secs(50);
 
 const ACTION: &str = "/robot/count";
 
-fn count() -> ServiceType {
-    const LONG: Make = |table| table.add(Kind::Long);
-    const LONGS: Make = |table| {
-        let element = table.add(Kind::Long);
-        table.add(Kind::Sequence { element, bound: Some(64) })
-    };
-    let input = part("count", "input", &[("most", LONG)]);
-    let output = part("count", "output", &[("numbers", LONGS)]);
-    ServiceType::new(ServiceKind::Activity, input, output)
-}
-
 #[test]
 #[ignore = "hiroz takes minutes to compile: .ci/release runs it"]
 fn an_action_that_hiroz_serves_runs_tells_its_states_throws_and_is_cancelled_as_an_activity() {

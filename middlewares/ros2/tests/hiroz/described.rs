@@ -4,8 +4,7 @@
 #[path = "../frames/samples.rs"]
 mod samples;
 
-use genom_middleware::Middleware;
-use samples::{TF, frames, told, write};
+use samples::{Arm, TF, told, write};
 
 use super::*;
 
@@ -16,15 +15,7 @@ const TF_HASH: &str = "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d
 #[ignore = "hiroz takes minutes to compile: .ci/release runs it"]
 fn hiroz_gets_frames_of_a_component_and_the_static_ones_though_it_comes_late() {
     let place = Place::new();
-    let masquerade = [("::arm::frames".to_owned(), TF.to_owned())].into();
-    let ros2 = Ros2::open(&Options { masquerade, ..place.options() }).unwrap();
-    ros2.masquerade("arm/moving", "/tf").unwrap();
-    ros2.masquerade("arm/fixed", "/tf_static").unwrap();
-    let (moving, fixed) = (Address::new("arm", "moving"), Address::new("arm", "fixed"));
-    let ty = frames();
-    let mut moving = ros2.publisher(&PortSpec::new(&moving, &ty)).unwrap();
-    let latched = Quality { transient_local: Some(true), ..Quality::default() };
-    let mut fixed = ros2.publisher(&PortSpec::new(&fixed, &ty).of(latched)).unwrap();
+    let Arm { mut moving, mut fixed } = Arm::open(place.options());
     write(&mut *fixed, "base", "camera", 0.25);
 
     let mut node = node(&place);

@@ -40,10 +40,7 @@ fn listed(node: &mut Peer) -> String {
 fn attributes_are_parameters_of_the_node() {
     let place = Place::new();
     let ros2 = place.open();
-    const DOUBLE: Make = |table| table.add(Kind::Double);
-    let input = part("get_speed", "input", &[]);
-    let output = part("get_speed", "output", &[("speed", DOUBLE)]);
-    let ty = ServiceType::new(ServiceKind::Attribute, input, output);
+    let ty = service(ServiceKind::Attribute, "get_speed", &[], &[("speed", DOUBLE)]);
     struct Speed(DataType);
     impl ServiceHandler for Speed {
         fn request(&self, _: Record, replies: Box<dyn Replies>) {

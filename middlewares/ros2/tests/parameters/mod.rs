@@ -1,78 +1,15 @@
 //! Parameters of nodes: attributes, and whether time is that of a simulator.
 
+mod attribute;
+
 use std::sync::Mutex;
 
-use genom_middleware::{
-    ActivityId, Middleware, Outcome, Replies, Served, ServiceHandler, ServiceKind, ServiceType,
-    Services,
-};
+pub(super) use attribute::{Attribute, Ids};
+use genom_middleware::Middleware;
 use serde_json::Map;
 
 use super::*;
-
-/// Makes the type of a member.
-pub(super) type Make = fn(&mut TypeTable) -> Kind;
-
-/// A struct of the service with these members.
-fn structure(service: &str, part: &str, members: &[(&str, Make)]) -> DataType {
-    let mut table = TypeTable::default();
-    let members = members.iter().map(|(name, kind)| {
-        let kind = kind(&mut table);
-        let ty = table.add(kind);
-        Member { name: (*name).to_owned(), ty }
-    });
-    let members = members.collect();
-    let name = ScopedName::new(["demo", service, part]);
-    let id = table.add(Kind::Struct { name, members });
-    DataType::new(&Arc::new(table), id).unwrap()
-}
-
-/// The data of a component, by name.
-pub(super) type Ids = Arc<Mutex<Map<String, Value>>>;
-
-/// An attribute with one member, which refuses 13.
-pub(super) struct Attribute {
-    ids: Ids,
-    ty: ServiceType,
-}
-
-impl Attribute {
-    pub(super) fn serve(ros2: &Ros2, ids: &Ids, member: &str, kind: Make) -> [Box<dyn Served>; 2] {
-        let value = [(member, kind)];
-        ["get", "set"].map(|verb| {
-            let name = format!("{verb}_{member}");
-            let (input, output): (&[_], &[_]) =
-                if verb == "get" { (&[], &value) } else { (&value, &[]) };
-            let ty = ServiceType::new(
-                ServiceKind::Attribute,
-                structure(&name, "input", input),
-                structure(&name, "output", output),
-            );
-            let handler = Arc::new(Self { ids: Arc::clone(ids), ty: ty.clone() });
-            ros2.serve(&Address::new("robot", name), &ty, handler).unwrap()
-        })
-    }
-}
-
-impl ServiceHandler for Attribute {
-    fn request(&self, input: Record, replies: Box<dyn Replies>) {
-        let mut ids = self.ids.lock().unwrap();
-        for (name, value) in input.to_json().as_object().into_iter().flatten() {
-            if *value == json!(13) {
-                let (name, detail) = ("::demo::UNLUCKY".to_owned(), json!({"value": 13}));
-                return replies.finish(Outcome::Exception { name, detail });
-            }
-            ids.insert(name.clone(), value.clone());
-        }
-        let mut output = Record::new(&self.ty.output);
-        if let Some(name) = self.ty.output.member_name(0) {
-            output.merge_json(&json!({name: ids[name]})).unwrap();
-        }
-        replies.finish(Outcome::Success(output));
-    }
-
-    fn cancel(&self, _: ActivityId) {}
-}
+use crate::services::{BOOLEAN, DOUBLE, LONGS, Make, SHORT};
 
 #[test]
 fn a_ros_node_gets_and_sets_attributes_as_parameters() {
@@ -81,11 +18,11 @@ fn a_ros_node_gets_and_sets_attributes_as_parameters() {
     let ids = json!({"on": true, "count": -3, "gain": 0.25, "name": "élan", "row": [1, 2]});
     let ids: Ids = Arc::new(Mutex::new(ids.as_object().unwrap().clone()));
     let kinds: [(&str, Make); 5] = [
-        ("on", |_| Kind::Boolean),
-        ("count", |_| Kind::Short),
-        ("gain", |_| Kind::Double),
-        ("name", |_| Kind::String { bound: Some(9) }),
-        ("row", |table| Kind::Sequence { element: table.add(Kind::Long), bound: None }),
+        ("on", BOOLEAN),
+        ("count", SHORT),
+        ("gain", DOUBLE),
+        ("name", |table| table.add(Kind::String { bound: Some(9) })),
+        ("row", LONGS),
     ];
     let serve = |&(name, kind): &(&str, Make)| Attribute::serve(&ros2, &ids, name, kind);
     let mut served: Vec<_> = kinds.iter().flat_map(serve).collect();
@@ -188,11 +125,8 @@ fn what_was_dumped_of_a_node_is_loaded_into_it_again() {
     let ros2 = domain.open();
     let before = json!({"gain": 0.25, "row": [1, 2]}).as_object().unwrap().clone();
     let ids: Ids = Arc::new(Mutex::new(before.clone()));
-    let kinds: [(&str, Make); 2] = [
-        ("gain", |_| Kind::Double),
-        ("row", |table| Kind::Sequence { element: table.add(Kind::Long), bound: None }),
-    ];
-    let _served = kinds.map(|(name, kind)| Attribute::serve(&ros2, &ids, name, kind));
+    let _served = [("gain", DOUBLE), ("row", LONGS)]
+        .map(|(name, kind)| Attribute::serve(&ros2, &ids, name, kind));
     let mut peer = peer(&domain);
     peer.ask(&json!(["parameters", "robot"]));
     // As `ros2 param dump` and `ros2 param load` do: all that is listed, with `use_sim_time`.
@@ -214,11 +148,10 @@ fn a_component_that_serves_a_name_of_ros_itself_has_no_parameters() {
     let domain = Domain::new(ServiceMapping::Enhanced);
     let ros2 = domain.open();
     let ids = Ids::default();
-    let kind: Make = |_| Kind::Double;
-    let _gain = Attribute::serve(&ros2, &ids, "gain", kind);
+    let _gain = Attribute::serve(&ros2, &ids, "gain", DOUBLE);
     let mut peer = peer(&domain);
     peer.ask(&json!(["service", "/robot/list_parameters", "robot", "/"]));
-    let _clash = Attribute::serve(&ros2, &ids, "parameters", kind);
+    let _clash = Attribute::serve(&ros2, &ids, "parameters", DOUBLE);
     peer.ask(&json!(["no service", "/robot/list_parameters", "robot", "/"]));
 }
 
@@ -265,7 +198,7 @@ fn a_parameter_use_sim_time_that_a_component_has_itself_is_shown_instead() {
     let domain = Domain::new(ServiceMapping::Enhanced);
     let ros2 = domain.open();
     let ids: Ids = Arc::new(Mutex::new(Map::from_iter([("use_sim_time".into(), json!(true))])));
-    let served = Attribute::serve(&ros2, &ids, "use_sim_time", |_| Kind::Boolean);
+    let served = Attribute::serve(&ros2, &ids, "use_sim_time", BOOLEAN);
     let mut peer = peer(&domain);
     peer.ask(&json!(["parameters", "robot"]));
     assert_eq!(dumped(&mut peer, "robot"), json!([["use_sim_time"], [true]]));

@@ -96,8 +96,6 @@ fn peer_with_types(domain: &Domain) -> Peer {
     Peer::start(&mut node)
 }
 
-const DOUBLE: Make = |table| table.add(Kind::Double);
-
 #[test]
 fn a_ros_node_that_serves_types_of_a_component_throws_its_exceptions_and_tells_its_states() {
     let domain = Domain::new(ServiceMapping::Enhanced);

@@ -4,21 +4,20 @@ use std::sync::Arc;
 
 use genom_middleware::{
     ActivityId, Address, LogEntry, LogLevel, Middleware, Outcome, Replies, ServiceHandler,
-    ServiceKind, ServiceType, Services,
+    ServiceKind, Services,
 };
-use genom_types::{DataType, Kind, Record};
+use genom_types::{DataType, Record};
 use serde_json::json;
 
+use super::services::{DOUBLE, service};
 use super::world::Place;
-use super::{Make, hexadecimal, node, part};
+use super::{hexadecimal, node};
 
 #[test]
 fn what_a_component_logs_and_which_of_its_parameters_are_set_reaches_a_node() {
     let place = Place::new();
     let ros2 = place.open();
-    const DOUBLE: Make = |table| table.add(Kind::Double);
-    let input = part("set_speed", "input", &[("speed", DOUBLE)]);
-    let ty = ServiceType::new(ServiceKind::Attribute, input, part("set_speed", "output", &[]));
+    let ty = service(ServiceKind::Attribute, "set_speed", &[("speed", DOUBLE)], &[]);
     struct Done(DataType);
     impl ServiceHandler for Done {
         fn request(&self, _: Record, replies: Box<dyn Replies>) {
