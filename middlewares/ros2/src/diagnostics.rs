@@ -15,6 +15,9 @@ const OK: u8 = 0;
 const WARN: u8 = 1;
 const ERROR: u8 = 2;
 
+/// Statuses of one message. A status of a task takes some 400 bytes; so many fit into one datagram.
+const MOST: usize = 128;
+
 /// The topic.
 #[derive(Default)]
 pub(crate) struct Diagnostics(OwnTopic);
@@ -24,7 +27,7 @@ pub(crate) struct Diagnostics(OwnTopic);
 struct DiagnosticArray<'a> {
     stamp: Time,
     frame_id: &'a str,
-    status: Vec<DiagnosticStatus<'a>>,
+    status: &'a [DiagnosticStatus<'a>],
 }
 
 /// `diagnostic_msgs/msg/DiagnosticStatus`. A `KeyValue` is two strings.
@@ -46,12 +49,11 @@ impl Diagnostics {
             let shown = matches!(one.of, Part::Cell(_)) || nodes.contains(&node);
             shown.then(|| status(names::split(&node).1, one))
         });
-        let status: Vec<_> = of_node.collect();
-        if status.is_empty() {
-            return;
+        let all: Vec<_> = of_node.collect();
+        for status in all.chunks(MOST) {
+            let message = DiagnosticArray { stamp: Time::now(), frame_id: "", status };
+            self.0.put(ros, ("diagnostics", "diagnostic_msgs", "DiagnosticArray"), false, &message);
         }
-        let message = DiagnosticArray { stamp: Time::now(), frame_id: "", status };
-        self.0.put(ros, ("diagnostics", "diagnostic_msgs", "DiagnosticArray"), false, &message);
     }
 }
 

@@ -8,6 +8,7 @@ use std::thread;
 use genom_kit::sender::Orders;
 use genom_middleware::Middleware;
 
+use super::gathered::Gathered;
 use super::held::{Asked, Called, Calling, End, Feed};
 use super::mouth::Mouth;
 use crate::channel::{Outgoing, lock};
@@ -25,6 +26,7 @@ const WORKERS: usize = 32;
 /// One proxy.
 pub(super) struct Guest {
     pub(super) middleware: Arc<dyn Middleware>,
+    pub(super) gathered: Arc<Gathered>,
     pub(super) mouth: Arc<Mouth>,
     pub(super) orders: OnceLock<Orders<Outgoing<Feed>>>,
     /// `None` when it has gone.

@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use genom_middleware::Middleware;
 use rustix::event::{PollFd, PollFlags, poll};
 
+use super::gathered::Gathered;
 use super::talk;
 use crate::channel::lock;
 use crate::door::Door;
@@ -60,10 +61,11 @@ impl Server {
         let door = Door::open(path)?;
         let hall = Arc::new(Hall { guests: Mutex::default(), changed: Condvar::new() });
         let own = Arc::clone(&hall);
+        let gathered = Gathered::new(&middleware);
         let (leave, left) = UnixStream::pair()?;
         let accepting = thread::Builder::new()
             .name("gateway".to_owned())
-            .spawn(move || own.receive(&door, &left, &middleware))?;
+            .spawn(move || own.receive(&door, &left, &middleware, &gathered))?;
         Ok(Listening {
             hall,
             path: path.to_owned(),
@@ -135,7 +137,13 @@ impl Drop for Listening {
 }
 
 impl Hall {
-    fn receive(self: &Arc<Self>, door: &Door, left: &UnixStream, middleware: &Arc<dyn Middleware>) {
+    fn receive(
+        self: &Arc<Self>,
+        door: &Door,
+        left: &UnixStream,
+        middleware: &Arc<dyn Middleware>,
+        gathered: &Arc<Gathered>,
+    ) {
         loop {
             let (wanted, over) =
                 (PollFd::new(door, PollFlags::IN), PollFd::new(left, PollFlags::IN));
@@ -146,7 +154,7 @@ impl Hall {
             if !both[1].revents().is_empty() {
                 return;
             }
-            match door.next().and_then(|stream| self.enter(stream, middleware)) {
+            match door.next().and_then(|stream| self.enter(stream, middleware, gathered)) {
                 Ok(()) => {}
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
                 Err(error) if error.kind() == io::ErrorKind::InvalidData => {
@@ -165,6 +173,7 @@ impl Hall {
         self: &Arc<Self>,
         stream: UnixStream,
         middleware: &Arc<dyn Middleware>,
+        gathered: &Arc<Gathered>,
     ) -> io::Result<()> {
         let mut guests = lock(&self.guests);
         if guests.streams.len() >= GUESTS {
@@ -175,9 +184,10 @@ impl Hall {
         guests.streams.push((number, stream.try_clone()?));
         guests.empty = None;
         drop(guests);
-        let (hall, middleware) = (Arc::clone(self), Arc::clone(middleware));
+        let (hall, middleware, gathered) =
+            (Arc::clone(self), Arc::clone(middleware), Arc::clone(gathered));
         let spawned = thread::Builder::new().name("gateway-guest".to_owned()).spawn(move || {
-            talk::serve(middleware, &stream);
+            talk::serve(middleware, gathered, &stream);
             // The middleware may be closed now, if this was the last that used it.
             hall.leave(number);
         });

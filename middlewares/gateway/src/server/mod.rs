@@ -3,6 +3,7 @@
 //! Each that connects is a [`guest`](guest::Guest): a thread hears what it says ([`talk`]), another
 //! one sends it samples and messages, and what takes time is done on others.
 
+mod gathered;
 mod guest;
 mod hall;
 mod held;

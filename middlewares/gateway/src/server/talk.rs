@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use genom_kit::sender::Sender;
 use genom_middleware::{Address, Middleware};
 
+use super::gathered::Gathered;
 use super::guest::{ENDS, Guest};
 use super::held::End;
 use super::mouth::Mouth;
@@ -23,14 +24,18 @@ use crate::words::{About, Down, PROTOCOL, Refusal, Up};
 const LOSSES: Duration = Duration::from_millis(200);
 
 /// Serves a proxy until it goes.
-pub(super) fn serve(middleware: Arc<dyn Middleware>, stream: &UnixStream) {
-    if let Err(error) = talk(middleware, stream) {
+pub(super) fn serve(middleware: Arc<dyn Middleware>, gathered: Arc<Gathered>, stream: &UnixStream) {
+    if let Err(error) = talk(middleware, gathered, stream) {
         tracing::warn!("the connection of a process to the gateway ends: {error}");
     }
     let _ = stream.shutdown(Shutdown::Both);
 }
 
-fn talk(middleware: Arc<dyn Middleware>, stream: &UnixStream) -> io::Result<()> {
+fn talk(
+    middleware: Arc<dyn Middleware>,
+    gathered: Arc<Gathered>,
+    stream: &UnixStream,
+) -> io::Result<()> {
     stream.set_write_timeout(Some(PATIENCE))?;
     stream.set_read_timeout(Some(PATIENCE))?;
     let mut frames = Frames::new(stream.try_clone()?);
@@ -42,6 +47,7 @@ fn talk(middleware: Arc<dyn Middleware>, stream: &UnixStream) -> io::Result<()> 
     stream.set_read_timeout(None)?;
     let guest = Arc::new(Guest {
         middleware,
+        gathered,
         mouth: Arc::new(Mouth::new(stream.try_clone()?)),
         orders: OnceLock::new(),
         ends: Mutex::new(Some(HashMap::new())),
@@ -134,7 +140,7 @@ impl Guest {
                 None => self.middleware.unmask(&ours),
             },
             Up::Log(entry) => self.middleware.log(&entry),
-            Up::Diagnose(tasks) => self.middleware.diagnose(&tasks),
+            Up::Diagnose(tasks) => self.gathered.put(tasks),
             Up::Question { number, question } => {
                 let payload = payload.to_vec();
                 self.apart(move |guest| {
