@@ -12,6 +12,8 @@
 mod acts;
 #[path = "hiroz/described.rs"]
 mod described;
+#[path = "hiroz/parameters.rs"]
+mod parameters;
 #[path = "world/services.rs"]
 mod services;
 #[path = "world/zenoh.rs"]

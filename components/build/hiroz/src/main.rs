@@ -163,6 +163,8 @@ impl Peer {
             "learned" => learned::next(&self.learned[text(given, 0)?]),
             "any learned" => learned::any(&self.learned[text(given, 0)?]),
             "parameters" => parameters::parameters(&self.runtime, node, given),
+            "dump" => parameters::dump(&self.runtime, node, given),
+            "load" => parameters::load(&self.runtime, node, given),
             "parameter events" => {
                 self.events = Some(parameters::events(node)?);
                 Ok(json!("reads"))
