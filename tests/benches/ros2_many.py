@@ -157,6 +157,9 @@ def main():
                 time.sleep(0.05)
             if time.monotonic() - begin > 1200:
                 break
+        if daemon.poll() is not None:
+            log.seek(0)
+            sys.exit(f"{given.genomd} has ended by itself:\n{log.read()}")
         print(f"{sys.argv[3:]}\n  ready {ready} after {time.monotonic() - begin:.1f} s", flush=True)
         peer = None
         if given.heard:

@@ -2,7 +2,6 @@
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
-use std::time::Duration;
 
 use crate::dds::rustdds::bytes::Bytes;
 use crate::dds::rustdds::dds::CreateResult;
@@ -24,9 +23,6 @@ use crate::rmw::{Answer, ClientEnd, Entities, Gid, Named, OnRequest, Reply, Serv
 
 /// Greatest number of requests or replies of one service that wait for the receiving thread.
 const CACHED: i32 = 1024;
-
-/// How long to wait, when a service closes, for its last replies to arrive.
-const FAREWELL: Duration = Duration::from_millis(100);
 
 /// Size in bytes of the header that the Cyclone mapping puts before a body.
 const CYCLONE: usize = 16;
@@ -216,14 +212,8 @@ impl ServerEnd for Server {
     fn withdraw(&self) {}
 
     fn flush(&self) {
-        settle(&self.maker.orders, &self.replies);
+        self.maker.orders.settle(&self.replies);
     }
-}
-
-/// Waits on the sending thread, for a limited time, until the last messages have arrived.
-pub(crate) fn settle(orders: &Orders, post: &Arc<Post>) {
-    let post = Arc::clone(post);
-    orders.finish(move || post.settle(FAREWELL));
 }
 
 impl Reply for ToClient {

@@ -33,7 +33,12 @@ pub(crate) fn prime(writer: &Writer) {
 
 /// Whether all reliable readers of a primed writer know it and have received everything.
 pub(crate) fn acknowledged(writer: &Writer) -> bool {
-    writer.wait_for_acknowledgments(Duration::ZERO).unwrap_or(true)
+    acknowledged_in(writer, Duration::ZERO)
+}
+
+/// The same after a limited time. Readers that are gone without a word acknowledge nothing.
+pub(crate) fn acknowledged_in(writer: &Writer, longest: Duration) -> bool {
+    writer.wait_for_acknowledgments(longest).unwrap_or(true)
 }
 
 #[derive(Clone, Copy, Debug)]

@@ -12,6 +12,7 @@ mod news;
 mod numbering;
 mod obstacles;
 mod participant;
+mod patience;
 mod ports;
 mod post;
 mod process;

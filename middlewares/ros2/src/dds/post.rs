@@ -168,10 +168,9 @@ impl Post {
         meetings::acknowledged(&self.writer)
     }
 
-    /// Waits for a limited time until everything written has arrived.
-    pub(crate) fn settle(&self, longest: Duration) {
-        // Fails if readers disappeared without leaving; they are not waited for any longer.
-        let _ = self.writer.wait_for_acknowledgments(longest);
+    /// Waits for a limited time until everything written has arrived. Returns whether it has.
+    pub(crate) fn settle(&self, longest: Duration) -> bool {
+        meetings::acknowledged_in(&self.writer, longest)
     }
 
     fn lock(&self) -> MutexGuard<'_, VecDeque<(Target, Letter)>> {

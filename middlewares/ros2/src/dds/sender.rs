@@ -20,11 +20,9 @@ use crate::dds::feed::Feed;
 use crate::dds::feeds::Feeds;
 use crate::dds::meetings::{self, Meetings};
 use crate::dds::numbering::Numbering;
-use crate::dds::post::Matches;
+use crate::dds::patience::Patience;
+use crate::dds::post::{Matches, Post};
 use crate::dds::wire::{HEADER, Payload, Writer};
-
-/// How long to wait, when a port closes, for its last samples to arrive.
-const FAREWELL: Duration = Duration::from_millis(100);
 
 /// How long a large sample waits for those before it. Meanwhile newer ones take its place in the
 /// outlet, as its depth says, and another thread sends for the other ports.
@@ -38,8 +36,8 @@ pub(crate) trait Announce: Send {
     /// Announces. Returns false if it must be repeated.
     fn tell(&self) -> bool;
 
-    /// Waits for a limited time until others have received the announcement.
-    fn settle(&self, longest: Duration);
+    /// Waits for a limited time until others have received the announcement. Returns whether they have.
+    fn settle(&self, longest: Duration) -> bool;
 
     /// Logs samples that could not be decoded.
     fn complain(&self);
@@ -93,6 +91,7 @@ impl Sending {
             answered: 0,
             complaints: Arc::clone(&complaints),
             complained: None,
+            patience: Patience::new(),
         };
         // Not prompt, because the first thing it does is to wake DDS's threads.
         let sender = sender::Sender::start("ros2", false, work)?;
@@ -129,9 +128,10 @@ impl Orders {
         self.thread.submit(|_, _| job());
     }
 
-    /// Queues a job and waits until it is done. On the thread itself it does not wait.
-    pub(crate) fn finish(&self, job: impl FnOnce() + Send + 'static) {
-        self.thread.finish(|_, _| job());
+    /// Waits on the thread, for a limited time, until what was sent has arrived.
+    pub(crate) fn settle(&self, post: &Arc<Post>) {
+        let post = Arc::clone(post);
+        self.thread.finish(move |work, _| work.patience.wait(|longest| post.settle(longest)));
     }
 
     /// Adds an out port and returns its number.
@@ -160,8 +160,7 @@ impl Orders {
     pub(crate) fn remove(&self, line: usize) {
         self.thread.remove(line, |work, line| {
             work.lines.remove(&line.writer.guid());
-            // Fails if readers disappeared without leaving; they are not waited for any longer.
-            let _ = line.writer.wait_for_acknowledgments(FAREWELL);
+            work.patience.wait(|longest| meetings::acknowledged_in(&line.writer, longest));
         });
     }
 
@@ -263,6 +262,7 @@ struct Work {
     answered: u64,
     complaints: Arc<AtomicBool>,
     complained: Option<Instant>,
+    patience: Patience,
 }
 
 impl Duty for Work {
@@ -302,7 +302,8 @@ impl Work {
         }
         let asked = self.asked.load(Ordering::SeqCst);
         if self.announce.tell() {
-            self.announce.settle(FAREWELL);
+            let Self { announce, patience, .. } = self;
+            patience.wait(|longest| announce.settle(longest));
         }
         self.answered = asked;
     }

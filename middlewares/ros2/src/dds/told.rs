@@ -9,6 +9,7 @@ use crate::dds::rustdds::bytes::Bytes;
 use crate::dds::feeds::Feeds;
 use crate::dds::graph::Graph;
 use crate::dds::info::{self, Ends};
+use crate::dds::meetings::acknowledged_in;
 use crate::dds::process::Process;
 use crate::dds::receiver::{Sample, Sink};
 use crate::dds::sender::Announce;
@@ -37,9 +38,8 @@ impl Announce for Told {
         })
     }
 
-    fn settle(&self, longest: Duration) {
-        // Fails if readers disappeared without leaving; they are not waited for any longer.
-        let _ = self.ends.wait_for_acknowledgments(longest);
+    fn settle(&self, longest: Duration) -> bool {
+        acknowledged_in(&self.ends, longest)
     }
 
     fn complain(&self) {

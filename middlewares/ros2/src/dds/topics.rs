@@ -7,7 +7,6 @@ use crate::dds::rustdds::dds::CreateResult;
 use crate::dds::rustdds::mio1::Token;
 use crate::dds::rustdds::{RTPSEntity, Timestamp};
 
-use crate::dds::channel::settle;
 use crate::dds::core::Core;
 use crate::dds::post::Post;
 use crate::dds::receiver::{Inlet, Sample, Sink};
@@ -81,7 +80,7 @@ impl TopicWriter for Writing {
 
     fn flush(&self) {
         if let Way::Post(post) = &self.way {
-            settle(&self.orders, post);
+            self.orders.settle(post);
         }
     }
 }
