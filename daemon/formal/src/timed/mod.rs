@@ -20,6 +20,9 @@ mod still;
 mod table;
 mod times;
 mod walks;
+#[cfg(test)]
+#[path = "../../tests/unit/walks.rs"]
+mod walks_tests;
 
 pub(crate) use clocks::{
     Clock, begins, bound, clocks, greatest, guarded, initial, is_urgent, stepped,

@@ -21,8 +21,6 @@ use genom_timing::Random;
 mod component;
 #[path = "../conformance/random.rs"]
 mod random;
-#[path = "walks.rs"]
-mod walks_tests;
 
 /// An activity that comes to `stop` by itself.
 const STOPS: &str = "component stops { task t { period 10 ms; };

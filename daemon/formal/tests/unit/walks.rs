@@ -8,10 +8,10 @@ use genom_description::{Options, read_text};
 use genom_runtime::Plan;
 use genom_timing::{Limits, Random};
 
-use super::super::explore::Timed;
-use super::super::potential::Potential;
-use super::super::seek::{Steps, seek};
-use super::super::walks::walks;
+use super::explore::Timed;
+use super::potential::Potential;
+use super::seek::{Steps, seek};
+use super::walks::walks;
 use crate::bounds::Bounds;
 use crate::system::System;
 
