@@ -34,6 +34,8 @@
 mod again;
 mod harness;
 pub mod life;
+#[doc(hidden)]
+pub mod portless;
 pub mod ports;
 pub mod process;
 pub mod relay;

@@ -8,10 +8,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use genom_gateway::{Proxy, Reach, Server};
-use genom_middleware::{
-    Capabilities, Diagnosis, Health, Middleware, OpenError, Part, Policy, PortSpec, Ports,
-    Publisher, Subscription,
-};
+use genom_middleware::{Capabilities, Diagnosis, Health, Middleware, Part};
 
 /// Only a failing test waits so long.
 const PATIENCE: Duration = Duration::from_secs(50);
@@ -19,24 +16,7 @@ const PATIENCE: Duration = Duration::from_secs(50);
 /// Has no ports, and hears how components fare.
 struct Hears(Mutex<Sender<Vec<String>>>);
 
-fn none(port: &PortSpec<'_>) -> OpenError {
-    let (backend, address) = ("hears".to_owned(), port.address.clone());
-    OpenError::Failed { backend, address, why: "it has no ports".to_owned() }
-}
-
-impl Ports for Hears {
-    fn publisher(&self, port: &PortSpec<'_>) -> Result<Box<dyn Publisher>, OpenError> {
-        Err(none(port))
-    }
-
-    fn subscription(
-        &self,
-        port: &PortSpec<'_>,
-        _: Policy,
-    ) -> Result<Box<dyn Subscription>, OpenError> {
-        Err(none(port))
-    }
-}
+genom_conformance::portless!(Hears);
 
 impl Middleware for Hears {
     fn name(&self) -> &'static str {

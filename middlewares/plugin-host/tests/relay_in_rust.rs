@@ -15,8 +15,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use genom_middleware::{
-    AnnounceError, AskError, Backend, Capabilities, DiscoverError, Middleware, OnRequest,
-    OpenError, Policy, PortSpec, Ports, Publisher, Relay, Subscription,
+    AnnounceError, AskError, Backend, Capabilities, DiscoverError, Middleware, OnRequest, Relay,
 };
 use genom_plugin::abi::table::Opaque;
 use genom_plugin::abi::{Bytes, Code, Host, MAJOR, Plugin, Str};
@@ -62,19 +61,7 @@ impl Middleware for Switchboard {
     }
 }
 
-impl Ports for Switchboard {
-    fn publisher(&self, port: &PortSpec<'_>) -> Result<Box<dyn Publisher>, OpenError> {
-        Err(OpenError::Taken { address: port.address.clone() })
-    }
-
-    fn subscription(
-        &self,
-        port: &PortSpec<'_>,
-        _: Policy,
-    ) -> Result<Box<dyn Subscription>, OpenError> {
-        Err(OpenError::Taken { address: port.address.clone() })
-    }
-}
+genom_conformance::portless!(Switchboard);
 
 /// Withdraws the daemon when it is dropped.
 struct Announced;

@@ -12,8 +12,7 @@ use std::sync::{Arc, Mutex};
 use built::table;
 use genom_conformance::eventually;
 use genom_middleware::{
-    Backend, Capabilities, Diagnosis, Health, LogEntry, LogLevel, Middleware, OpenError, Part,
-    Policy, PortSpec, Ports, Publisher, Subscription,
+    Backend, Capabilities, Diagnosis, Health, LogEntry, LogLevel, Middleware, Part,
 };
 use genom_plugin::abi::Plugin;
 use genom_plugin_host::Library;
@@ -233,19 +232,7 @@ impl Middleware for Recorder {
     }
 }
 
-impl Ports for Recorder {
-    fn publisher(&self, port: &PortSpec<'_>) -> Result<Box<dyn Publisher>, OpenError> {
-        Err(OpenError::Taken { address: port.address.clone() })
-    }
-
-    fn subscription(
-        &self,
-        port: &PortSpec<'_>,
-        _: Policy,
-    ) -> Result<Box<dyn Subscription>, OpenError> {
-        Err(OpenError::Taken { address: port.address.clone() })
-    }
-}
+genom_conformance::portless!(Recorder);
 
 #[test]
 fn a_backend_in_rust_is_told_the_same_and_a_panic_in_it_ends_nothing() {

@@ -16,10 +16,7 @@ use std::ptr;
 use std::sync::Arc;
 
 use built::table;
-use genom_middleware::{
-    Address, Backend, Capabilities, Middleware, Obstacle, OpenError, Policy, PortSpec, Ports,
-    Publisher, Refused, Subscription,
-};
+use genom_middleware::{Address, Backend, Capabilities, Middleware, Obstacle, PortSpec, Refused};
 use genom_plugin::abi::table::Opaque;
 use genom_plugin::abi::{Code, Host, MAJOR, Plugin, Str};
 use genom_plugin_host::Library;
@@ -137,19 +134,7 @@ impl Middleware for Telling {
     }
 }
 
-impl Ports for Telling {
-    fn publisher(&self, port: &PortSpec<'_>) -> Result<Box<dyn Publisher>, OpenError> {
-        Err(OpenError::Taken { address: port.address.clone() })
-    }
-
-    fn subscription(
-        &self,
-        port: &PortSpec<'_>,
-        _: Policy,
-    ) -> Result<Box<dyn Subscription>, OpenError> {
-        Err(OpenError::Taken { address: port.address.clone() })
-    }
-}
+genom_conformance::portless!(Telling);
 
 #[test]
 fn refusals_and_trouble_that_a_backend_in_rust_tells_arrive() {

@@ -4,8 +4,9 @@
 
 use std::sync::{Arc, Mutex, Weak};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use genom_kit::bell::Bell;
 use genom_kit::complaints::Complaints;
 use genom_middleware::{Diagnosis, Middleware};
 
@@ -65,11 +66,10 @@ impl Gathered {
 
     /// Tells what waits, until nothing does.
     fn tell(&self) {
+        // Nobody rings it.
+        let pause = Bell::default();
         loop {
-            let end = Instant::now() + TOGETHER;
-            while Instant::now() < end {
-                thread::park_timeout(end.saturating_duration_since(Instant::now()));
-            }
+            pause.wait(Some(TOGETHER));
             let mut waiting = lock(&self.waiting);
             let all = std::mem::take(&mut waiting.parts);
             waiting.is_told = !all.is_empty();
@@ -88,9 +88,7 @@ impl Gathered {
 mod tests {
     use std::sync::mpsc::{Receiver, Sender, channel};
 
-    use genom_middleware::{
-        Capabilities, Health, OpenError, Part, Policy, PortSpec, Ports, Publisher, Subscription,
-    };
+    use genom_middleware::{Capabilities, Health, Part};
 
     use super::*;
 
@@ -100,19 +98,7 @@ mod tests {
         goes_on: Mutex<Receiver<()>>,
     }
 
-    impl Ports for Slow {
-        fn publisher(&self, _: &PortSpec<'_>) -> Result<Box<dyn Publisher>, OpenError> {
-            panic!("no port is opened here")
-        }
-
-        fn subscription(
-            &self,
-            _: &PortSpec<'_>,
-            _: Policy,
-        ) -> Result<Box<dyn Subscription>, OpenError> {
-            panic!("no port is opened here")
-        }
-    }
+    genom_conformance::portless!(Slow);
 
     impl Middleware for Slow {
         fn name(&self) -> &'static str {
