@@ -92,8 +92,11 @@ impl System {
         found
     }
 
-    /// One of the parts with few services, and others of this component.
+    /// One of the parts with few services, and others of this component; or that with all of them.
     fn varied(&self, parts: &[Self], random: &mut Random) -> Self {
+        if random.below(4) == 0 {
+            return parts[parts.len().saturating_sub(2)].clone();
+        }
         let few = parts.len().saturating_sub(2).max(1);
         let mut part = parts[random.below(few)].clone();
         let (percent, any) = (10 * (1 + random.below(5)), random.below(8) == 0);

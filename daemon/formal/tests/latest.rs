@@ -167,3 +167,37 @@ fn activities_of_which_one_interrupts_another_may_both_have_begun() {
         assert_eq!(not_late(interrupts, &few), not_late(interrupts, &limits()), "{interrupts:?}");
     }
 }
+
+#[test]
+fn a_codel_does_not_wait_for_what_an_activity_behind_it_keeps_away() {
+    // With `keeps` behind it, `first` does not wait for `rival`, whose task is late: each of the two
+    // interrupts the other one.
+    let text = |others: &str| {
+        format!(
+            "component c {{ ids {{ long m; }};
+               task fast {{ period 10 ms; codel<start> q() yield pause::main wcet 1 ms;
+                                        codel<main> f() yield pause::main wcet 4 ms; }};
+               task slow {{ period 10 ms; codel<start> s() yield pause::start wcet 1 ms; }};
+               activity first() {{ task slow; interrupts first;
+                 codel<start> first_start(inout m) yield pause::start wcet 3 ms; }};
+               activity keeps() {{ task slow; interrupts keeps{others};
+                 codel<start> keeps_start() yield ether wcet 4 ms; }};
+               activity rival() {{ task fast; interrupts rival, keeps;
+                 codel<start> rival_start(inout m) yield ether wcet 3 ms; }}; }};"
+        )
+    };
+    for (others, is_late) in [(", rival", false), ("", true)] {
+        let bounds = Bounds { instances: 1, kill: false, abort: false, ..Bounds::default() };
+        let system = support::system(&text(others), bounds, true);
+        let times = system.declared_times();
+        let slow = |limits: &Limits| {
+            let found = system.check_ticks(&times, limits);
+            let task = found.tasks.into_iter().find(|one| one.name == "slow").unwrap();
+            (task.is_late(), task.is_open(), task.bound)
+        };
+        // With all zones, and with next to none.
+        assert_eq!(slow(&limits()), (is_late, false, false), "{others}");
+        let few = slow(&Limits { states: 20, ..limits() });
+        assert_eq!(few, (is_late, false, !is_late), "{others}");
+    }
+}

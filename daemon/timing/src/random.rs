@@ -12,6 +12,14 @@ impl Random {
         self.0 ^= self.0 << 17;
         usize::try_from(self.0 >> 33).unwrap_or(0) % count.max(1)
     }
+
+    /// One of these.
+    ///
+    /// # Panics
+    /// If there is none.
+    pub fn one<'a, T>(&mut self, all: &'a [T]) -> &'a T {
+        &all[self.below(all.len())]
+    }
 }
 
 /// How long searches take, one after the other, that begin anew since they may be lucky or not: mostly

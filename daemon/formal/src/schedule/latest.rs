@@ -36,8 +36,12 @@ impl System {
             for task in 0..small(known.len()) {
                 let index = usize::from(task);
                 let period = self.periods[index].map_or(0, |own| own.period);
-                let in_time = |walk: Walk<'_>| walk.from(None).filter(|found| found.cycle < period);
-                let found = self.at_ticks(times, task, (&facts, &linked), &known, &in_time);
+                let in_time = |found: &Latest| found.cycle < period;
+                let ticks = |walks: &Walks<'_>| {
+                    self.at_ticks(times, task, (&facts, &linked), &known, walks).filter(in_time)
+                };
+                let all = ticks(&|walk| walk.from(None));
+                let found = all.or_else(|| ticks(&|walk| walk.from_each()));
                 let before = known[index].as_ref();
                 let sum =
                     |one: &Latest| one.left.iter().fold(one.cycle, |a, b| a.saturating_add(*b));
@@ -119,7 +123,7 @@ impl System {
         task: u16,
         (facts, linked): (&[Facts<'_>], &[Vec<u16>]),
         known: &[Option<Latest>],
-        walks: &dyn Fn(Walk<'_>) -> Option<Latest>,
+        walks: &Walks<'_>,
     ) -> Option<Latest> {
         let own = self.periods[usize::from(task)]?;
         let mut others = self.periods.iter().flatten();
@@ -153,6 +157,9 @@ impl System {
         latest
     }
 }
+
+/// What is made of the cycles that one tick begins.
+type Walks<'a> = dyn Fn(Walk<'_>) -> Option<Latest> + 'a;
 
 /// A task that arrives at a node.
 struct Arrival<'a> {

@@ -99,6 +99,28 @@ impl<'a> Walk<'a> {
 
     /// With these activities at the tick, or any; `None` if there are too many cycles.
     pub(super) fn from(mut self, runs: Option<Vec<(u16, Does)>>) -> Option<Latest> {
+        self.walk(runs, MOST)?;
+        Some(self.found)
+    }
+
+    /// With any activities at the tick, one list after the other: what is waited for then depends on all
+    /// that are there, and not only on those that are through.
+    pub(super) fn from_each(mut self) -> Option<Latest> {
+        let (mut lists, mut at, mut left) = (vec![(Vec::new(), false)], 0, MOST);
+        while let Some((runs, begun)) = lists.get(at).cloned() {
+            at += 1;
+            let more = self.admitted(&runs, begun).into_iter();
+            lists.extend(more.map(|one| {
+                let begun = begun || one.1 == Does::Begins;
+                (runs.iter().copied().chain([one]).collect(), begun)
+            }));
+            left = left.checked_sub(self.walk(Some(runs), left)?)?;
+        }
+        Some(self.found)
+    }
+
+    /// The same for the number of places; `None` if there are more than `most`.
+    fn walk(&mut self, runs: Option<Vec<(u16, Does)>>, most: usize) -> Option<usize> {
         let mut first = runs.is_none();
         // Places of the tick's pass by the number of activities in it, then those of later passes.
         let begin = Dates { now: 0, left: vec![0; self.system.periods.len()].into() };
@@ -107,7 +129,7 @@ impl<'a> Walk<'a> {
         while !present.is_empty() {
             let mut next = Places::default();
             looked += present.len();
-            if looked > MOST {
+            if looked > most {
                 return None;
             }
             for (place, dates) in present {
@@ -126,27 +148,31 @@ impl<'a> Walk<'a> {
                 (present, first) = (std::mem::take(&mut later), false);
             }
         }
-        Some(self.found)
+        Some(looked)
     }
 
     /// Another activity is there at the tick, behind those that are.
     fn admit(&mut self, (runs, at, again, begun): &Place, dates: &Dates, next: &mut Places) {
-        for &machine in &self.machines.clone() {
-            let facts = &self.system.machines[usize::from(machine)];
-            if !self.may_follow(runs, machine) {
-                continue;
-            }
+        for (machine, does) in self.admitted(runs, *begun) {
+            let mut runs = runs.clone();
+            runs.push((machine, does));
+            self.step((runs, *at, *again, *begun || does == Does::Begins), dates, next);
+        }
+    }
+
+    /// What may be there at the tick behind these activities, of which one begins then or none does.
+    fn admitted(&self, runs: &[(u16, Does)], begun: bool) -> Vec<(u16, Does)> {
+        let mut all = Vec::new();
+        for &machine in self.machines.iter().filter(|machine| self.may_follow(runs, **machine)) {
             // Who has begun before was admitted before who begins now.
-            let mut begins = if *begun { Vec::new() } else { self.pauses(machine) };
-            if facts.service.is_some() {
-                begins.push(Does::Begins);
+            if !begun {
+                all.extend(self.pauses(machine).into_iter().map(|does| (machine, does)));
             }
-            for does in begins {
-                let mut runs = runs.clone();
-                runs.push((machine, does));
-                self.step((runs, *at, *again, *begun || does == Does::Begins), dates, next);
+            if self.system.machines[usize::from(machine)].service.is_some() {
+                all.push((machine, Does::Begins));
             }
         }
+        all
     }
 
     /// Whether an activity may be admitted after these. When it was sent, none had begun that its

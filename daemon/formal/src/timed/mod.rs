@@ -13,6 +13,7 @@ mod potential;
 mod potential_tests;
 mod report;
 mod respond;
+mod scenes;
 mod seek;
 mod slack;
 mod spent;

@@ -48,6 +48,13 @@ pub(super) fn still(
         };
         ends().unwrap_or(false)
     };
+    let service = |run: &Run| system.machines[usize::from(run.machine)].service;
+    let runs = state.tasks[usize::from(task)].runs.iter().filter(|run| run.end.is_none());
+    let mine: Vec<u16> = runs.filter_map(service).collect();
+    let sent = |service: u16| {
+        system.clients[usize::from(service)]
+            && !mine.iter().any(|one| system.interrupts(service, *one))
+    };
     for (other, is) in (0u16..).zip(&state.tasks) {
         if other == task {
             continue;
@@ -61,8 +68,8 @@ pub(super) fn still(
         let all = begins || ticks().unwrap_or(true);
         let machines = system.machines.iter().zip(0u16..).filter(|(one, _)| one.task == other);
         for (facts, machine) in machines {
-            let runs = || is.runs.iter().filter(|run| run.machine == machine);
-            let requested = facts.service.is_none_or(|one| system.clients[usize::from(one)]);
+            let runs = || is.runs.iter().chain(&is.inbox).filter(|run| run.machine == machine);
+            let requested = facts.service.is_none_or(sent);
             if all && (requested || runs().next().is_some()) {
                 let own = facts.codels.iter().flatten().chain(&facts.fetch);
                 own.for_each(|node| add(&mut nodes, *node));

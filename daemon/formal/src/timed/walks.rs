@@ -10,7 +10,7 @@ use genom_timing::{Limits, Random, Zone};
 use super::clocks::{Clock, clocks, guarded, initial, stepped};
 use super::explore::{Timed, works};
 use super::potential::Potential;
-use super::seek::{Steps, is_first, is_played, possible};
+use super::seek::{Steps, is_played, possible};
 use super::times::Times;
 use crate::action::{Action, Answer};
 use crate::rules::runs_of;
@@ -22,33 +22,35 @@ const STEPS: usize = 200;
 const PICKED: usize = 3;
 /// Steps that are tried where a walk is before it is given up.
 const TRIED: usize = 8;
-/// Requests that come one after the other, at most, and steps of one of them.
-const REQUESTS: (usize, usize) = (6, 30);
+/// Of walks, some have many requests, and some hardly any: percentages of steps that may be none.
+const CALM: [usize; 4] = [50, 90, 96, 99];
 
 /// A state with values of its clocks, and how long the cycle of the task may get.
 #[derive(Clone)]
-struct Now {
-    state: State,
+pub(super) struct Now {
+    pub(super) state: State,
     clocks: Vec<Clock>,
     zone: Zone,
-    most: u64,
+    pub(super) most: u64,
 }
 
 /// Where walks begin.
-struct Place {
-    now: Now,
+pub(super) struct Place {
+    pub(super) now: Now,
     /// 0 if no cycle may be late; else 1, and one for each codel that the task has come to in it.
-    level: usize,
+    pub(super) level: usize,
     /// The place before it, and the steps from there.
     before: usize,
     steps: Vec<Action>,
+    /// The longest that the cycle may get, of all places where the task came to a codel from here.
+    best: u64,
 }
 
-struct Walks<'a> {
+pub(super) struct Walks<'a> {
     times: &'a Times,
-    potential: &'a Potential<'a>,
-    random: &'a mut Random,
-    places: Vec<Place>,
+    pub(super) potential: &'a Potential<'a>,
+    pub(super) random: &'a mut Random,
+    pub(super) places: Vec<Place>,
     /// Places of each level.
     levels: Vec<Vec<usize>>,
     /// Memory that they take, about.
@@ -77,7 +79,9 @@ pub(crate) fn walks(
         if passed || over.load(Ordering::Relaxed) {
             return Err(walks.places.len());
         }
-        if let Some(run) = walks.walk() {
+        if walks.random.below(2) == 0 {
+            walks.scene();
+        } else if let Some(run) = walks.walk() {
             return Ok(run);
         }
     }
@@ -87,22 +91,10 @@ impl Walks<'_> {
     /// One walk; a run if it comes to a tick that is late.
     fn walk(&mut self) -> Option<Steps> {
         let Potential { task, period, .. } = *self.potential;
-        let level = self.random.below(self.levels.len());
-        let level = &self.levels[level];
-        let picked = (0..PICKED).map(|_| level[self.random.below(level.len())]);
-        let mut from = picked.max_by_key(|place| self.places[*place].now.most)?;
+        let mut from = self.pick(usize::MAX)?;
         let mut now = self.places[from].now.clone();
         let mut steps = Vec::new();
-        if self.places[from].level < 2 && self.random.below(2) == 0 {
-            self.request(&mut now, &mut steps);
-            let level = usize::from(now.most >= period);
-            if level < self.places[from].level {
-                return None;
-            }
-            from = self.keep(now.clone(), level, (from, std::mem::take(&mut steps)));
-        }
-        // Of walks, some have many requests, and some hardly any.
-        let calm = 45 * self.random.below(3);
+        let calm = *self.random.one(&CALM);
         for _ in 0..STEPS {
             let level = self.places[from].level;
             let mut actions = self.possible(&now.state);
@@ -120,7 +112,7 @@ impl Walks<'_> {
                         }
                     }
                 } else if let Some((next, taken)) = self.own(&now, action)
-                    && next.most >= period
+                    && self.may_be_late(&next, from)
                 {
                     let steps = steps.iter().copied().chain(taken).collect();
                     let place = self.keep(next, level + 1, (from, steps));
@@ -157,51 +149,44 @@ impl Walks<'_> {
         None
     }
 
-    /// Some requests, one after the other, each until it is answered.
-    fn request(&mut self, now: &mut Now, steps: &mut Vec<Action>) {
-        let system = self.potential.system;
-        for _ in 0..=self.random.below(REQUESTS.0) {
-            let mut asks = true;
-            for _ in 0..REQUESTS.1 {
-                let mut actions = self.possible(&now.state);
-                actions.retain(|action| match action {
-                    Action::Request(service) => {
-                        asks && system.services[usize::from(*service)].machine.is_some()
-                    }
-                    Action::Return(context, Answer::Ok) => !system.is_task(*context),
-                    _ => is_first(action),
-                });
-                if actions.is_empty() {
-                    break;
-                }
-                let action = actions[self.random.below(actions.len())];
-                let Some(next) = self.step(now, action) else { break };
-                *now = next;
-                steps.push(action);
-                asks &= !matches!(action, Action::Request(_));
-                if !asks && now.state.workers.is_empty() {
-                    break;
-                }
-            }
+    /// A place to begin at, of one of the first levels.
+    pub(super) fn pick(&mut self, levels: usize) -> Option<usize> {
+        let levels = self.levels.iter().take(levels).filter(|level| !level.is_empty());
+        let level = *self.random.one(&levels.collect::<Vec<_>>());
+        let picked = (0..PICKED).map(|_| level[self.random.below(level.len())]);
+        picked.max_by_key(|place| self.places[*place].best)
+    }
+
+    /// Whether the cycle may be late where the task comes to a codel after a place.
+    pub(super) fn may_be_late(&mut self, now: &Now, mut after: usize) -> bool {
+        while after > 0 && self.places[after].best < now.most {
+            self.places[after].best = now.most;
+            after = self.places[after].before;
         }
+        now.most >= self.potential.period
     }
 
     /// Walks may begin here; returns the number of the place.
-    fn keep(&mut self, now: Now, level: usize, (before, steps): (usize, Vec<Action>)) -> usize {
+    pub(super) fn keep(
+        &mut self,
+        now: Now,
+        level: usize,
+        (before, steps): (usize, Vec<Action>),
+    ) -> usize {
         let number = self.places.len();
         self.levels.resize(self.levels.len().max(level + 1), Vec::new());
         self.levels[level].push(number);
         let lists = steps.len() * listed::<Action>() + now.clocks.len() * listed::<Clock>();
         self.bytes += listed::<Place>() + lists + bytes(&now.state) + now.zone.bytes();
-        self.places.push(Place { now, level, before, steps });
+        self.places.push(Place { now, level, before, steps, best: 0 });
         number
     }
 
-    fn possible(&self, state: &State) -> Vec<Action> {
+    pub(super) fn possible(&self, state: &State) -> Vec<Action> {
         possible(self.potential.system, state).into_iter().map(|(action, _)| action).collect()
     }
 
-    fn step(&self, now: &Now, action: Action) -> Option<Now> {
+    pub(super) fn step(&self, now: &Now, action: Action) -> Option<Now> {
         let (system, times) = (self.potential.system, self.times);
         let possible = guarded(system, times, (&now.state, &now.clocks), &now.zone, action)?;
         let mut state = now.state.clone();
@@ -214,7 +199,7 @@ impl Walks<'_> {
     }
 
     /// A step of the task, and those to its next codel; `None` if its cycle ends before.
-    fn own(&self, now: &Now, action: Action) -> Option<(Now, Vec<Action>)> {
+    pub(super) fn own(&self, now: &Now, action: Action) -> Option<(Now, Vec<Action>)> {
         let task = self.potential.task;
         let (mut now, mut steps) = (self.step(now, action)?, vec![action]);
         loop {

@@ -23,7 +23,11 @@ fn duo(wcet: &str) -> System {
            task slow {{ period 40 ms; codel<start> sb(inout shared) yield work wcet {wcet};
                                       codel<work> sw() yield pause::start wcet 20 ms; }}; }};"
     );
-    let analysis = read_text("duo.gen", &text, &Options::default());
+    system(&text)
+}
+
+fn system(text: &str) -> System {
+    let analysis = read_text("walks.gen", text, &Options::default());
     assert!(!analysis.has_errors(), "{:#?}", analysis.diagnostics);
     let plan = Arc::new(Plan::new(&Arc::new(analysis.specification), 0).unwrap());
     System::new(&plan, Bounds { kill: false, ..Bounds::default() })
@@ -59,4 +63,24 @@ fn a_task_that_is_late_is_found_by_a_run_that_is_one() {
 fn none_is_found_of_a_task_that_is_in_time_or_once_the_search_is_over() {
     assert_eq!(found(&duo("8 ms"), true, 60_000), [None, None]);
     assert_eq!(found(&duo("6 ms"), false, 300), [None, None]);
+}
+
+#[test]
+fn walks_ask_for_activities_in_the_order_in_which_all_of_them_are_there() {
+    // Each one interrupts the next one, so that all five begin at one tick if they were asked for from the
+    // first one to the last one; four of them are in time.
+    let activity = |at: usize| {
+        let next = if at < 4 { format!(", a{}", at + 1) } else { String::new() };
+        format!(
+            "activity a{at}() {{ task t; interrupts a{at}{next};
+               codel<start> a{at}_start() yield ether wcet 2 ms; }};"
+        )
+    };
+    let all: String = (0..5).map(activity).collect();
+    let system = system(&format!("component five {{ task t {{ period 10 ms; }}; {all} }};"));
+    let [run, _] = found(&system, false, 60_000);
+    let run = run.unwrap();
+    let asked =
+        run.iter().filter(|(_, action)| matches!(action, crate::action::Action::Request(_)));
+    assert!(asked.count() >= 5);
 }
