@@ -10,7 +10,7 @@ use std::time::Instant;
 use indexmap::IndexSet;
 use rustc_hash::FxBuildHasher;
 
-use super::formula::{Comes, Formula};
+use super::formula::{Comes, Formula, holds_in};
 use crate::action::Action;
 use crate::codels::small;
 use crate::pack::{pack, unpacked};
@@ -104,8 +104,8 @@ impl Graph {
         };
         let (mut bytes, mut at) = (0, 0);
         while let Some(state) = all.states.get_index(at).map(|bytes| unpacked(bytes)) {
-            let without = !comes.goal.holds_in(system, &state);
-            let due = comes.whenever.map_or(at == 0, |when| when.holds_in(system, &state));
+            let without = !holds_in(comes.goal, system, &state);
+            let due = comes.whenever.map_or(at == 0, |when| holds_in(when, system, &state));
             all.without.push(without);
             all.due.push(due && without);
             for (action, step) in system.enabled(&state).into_iter().zip(0u16..) {

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use genom_temporal::{FormulaError, Join, parse};
+
 use super::atom::Atom;
 use crate::state::State;
 use crate::system::System;
@@ -13,23 +15,11 @@ pub struct Formula {
     pub(crate) text: String,
 }
 
-/// A formula, or a part of one.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Term {
-    Const(bool),
-    Atom(Atom),
-    Not(Box<Term>),
-    Two(Join, Box<Term>, Box<Term>),
-    /// About what comes.
-    Always(Box<Term>),
-    Eventually(Box<Term>),
-    Until(Box<Term>, Box<Term>),
-    /// About what was.
-    Once(Box<Term>),
-    Historically(Box<Term>),
-    Since(Box<Term>, Box<Term>),
-    Previous(Box<Term>),
-}
+/// A formula about a component, or a part of one.
+pub(crate) type Term = genom_temporal::Term<Atom>;
+
+/// What formulas are about.
+const FACTS: &str = "codel(NAME), run(SERVICE), pending(SERVICE), late(TASK) or a service";
 
 static TRUE: Term = Term::Const(true);
 
@@ -40,72 +30,23 @@ pub(crate) struct Comes<'f> {
     pub(crate) whenever: Option<&'f Term>,
 }
 
-/// What joins two formulas without time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Join {
-    And,
-    Or,
-    Implies,
-    Equal,
-}
-
-impl Join {
-    pub(crate) fn of(self, a: bool, b: bool) -> bool {
-        match self {
-            Self::And => a && b,
-            Self::Or => a || b,
-            Self::Implies => !a || b,
-            Self::Equal => a == b,
-        }
-    }
-}
-
-impl Term {
-    /// The parts of a formula.
-    pub(crate) fn parts(&self) -> Vec<&Self> {
-        match self {
-            Self::Const(_) | Self::Atom(_) => Vec::new(),
-            Self::Not(a)
-            | Self::Always(a)
-            | Self::Eventually(a)
-            | Self::Once(a)
-            | Self::Historically(a)
-            | Self::Previous(a) => vec![a],
-            Self::Two(_, a, b) | Self::Until(a, b) | Self::Since(a, b) => vec![a, b],
-        }
-    }
-
-    fn any(&self, wanted: &dyn Fn(&Self) -> bool) -> bool {
-        wanted(self) || self.parts().into_iter().any(|part| part.any(wanted))
-    }
-
-    fn is_future(&self) -> bool {
-        matches!(self, Self::Always(_) | Self::Eventually(_) | Self::Until(..))
-    }
-
-    /// Whether it is about one state.
-    fn is_now(&self) -> bool {
-        !self.any(&|term| term.is_future() || term.is_past())
-    }
-
-    /// Whether it holds in a state, if it is about one.
-    pub(crate) fn holds_in(&self, system: &System, state: &State) -> bool {
-        let one = |part: &Self| part.holds_in(system, state);
-        match self {
-            Self::Const(value) => *value,
-            Self::Atom(atom) => atom.holds(system, state),
-            Self::Not(a) => !one(a),
-            Self::Two(join, a, b) => join.of(one(a), one(b)),
-            _ => false,
-        }
-    }
-
-    fn is_past(&self) -> bool {
-        matches!(self, Self::Once(_) | Self::Historically(_) | Self::Since(..) | Self::Previous(_))
-    }
+/// Whether it holds in a state, if it is about one.
+pub(crate) fn holds_in(term: &Term, system: &System, state: &State) -> bool {
+    term.holds(&|atom| atom.holds(system, state))
 }
 
 impl Formula {
+    /// The formula that a text says about a component.
+    ///
+    /// # Errors
+    /// If the text is none, or names what the component does not have.
+    pub fn new(system: &System, text: &str) -> Result<Self, FormulaError> {
+        let fact = |fact: Option<&str>, name: &str| {
+            Atom::named(system, fact.unwrap_or("run"), name).map_err(|why| why.to_string())
+        };
+        Ok(Self { term: parse(text, FACTS, &fact)?, text: text.to_owned() })
+    }
+
     /// What must hold in every state, if the formula says no more than that: its truth in a state
     /// depends on what was before, and not on what comes.
     pub(crate) fn always(&self) -> Option<&Term> {

@@ -3,10 +3,10 @@
 mod atom;
 mod comes;
 mod formula;
-mod parse;
 mod past;
 
 pub(crate) use atom::Atom;
 pub use formula::Formula;
-pub(crate) use formula::{Join, Term};
-pub use parse::FormulaError;
+pub(crate) use formula::Term;
+pub use genom_temporal::FormulaError;
+pub(crate) use genom_temporal::Join;

@@ -1,8 +1,6 @@
 //! Formulas from text: the operators of Spin, and words for the past.
 
-use super::atom::Atom;
-use super::formula::{Formula, Join, Term};
-use crate::system::System;
+use super::term::{Join, Term};
 
 /// Parts within each other, at most.
 const DEPTH: usize = 40;
@@ -25,22 +23,25 @@ pub enum FormulaError {
     Long,
 }
 
-impl Formula {
-    /// The formula that a text says about a component.
-    ///
-    /// # Errors
-    /// If the text is none, or names what the component does not have.
-    pub fn new(system: &System, text: &str) -> Result<Self, FormulaError> {
-        if text.len() > LENGTH {
-            return Err(FormulaError::Long);
-        }
-        let mut parser = Parser { system, tokens: tokens(text)?, at: 0, end: text.len() + 1 };
-        let term = parser.equal(0)?;
-        if parser.at < parser.tokens.len() {
-            return Err(parser.wanted("an operator, or the end"));
-        }
-        Ok(Self { term, text: text.to_owned() })
+/// The formula that a text says. `fact` makes a fact of its word and of the name in brackets behind it, or
+/// of a name alone, or says what is wrong with them; `facts` says in words which there are.
+///
+/// # Errors
+/// If the text is no formula, or names what is no fact.
+pub fn parse<A>(
+    text: &str,
+    facts: &str,
+    fact: &dyn Fn(Option<&str>, &str) -> Result<A, String>,
+) -> Result<Term<A>, FormulaError> {
+    if text.len() > LENGTH {
+        return Err(FormulaError::Long);
     }
+    let mut parser = Parser { facts, fact, tokens: tokens(text)?, at: 0, end: text.len() + 1 };
+    let term = parser.equal(0)?;
+    if parser.at < parser.tokens.len() {
+        return Err(parser.wanted("an operator, or the end"));
+    }
+    Ok(term)
 }
 
 /// An operator or a word, and where it begins, from 1.
@@ -72,14 +73,15 @@ fn tokens(text: &str) -> Result<Vec<Token<'_>>, FormulaError> {
     Ok(tokens)
 }
 
-struct Parser<'t> {
-    system: &'t System,
+struct Parser<'t, A> {
+    facts: &'t str,
+    fact: &'t dyn Fn(Option<&str>, &str) -> Result<A, String>,
     tokens: Vec<Token<'t>>,
     at: usize,
     end: usize,
 }
 
-impl Parser<'_> {
+impl<A> Parser<'_, A> {
     fn wanted(&self, wanted: impl Into<String>) -> FormulaError {
         let at = self.tokens.get(self.at).map_or(self.end, |(_, at)| *at);
         FormulaError::Syntax { at, wanted: wanted.into() }
@@ -104,9 +106,9 @@ impl Parser<'_> {
         &mut self,
         sign: &str,
         join: Join,
-        part: fn(&mut Self, usize) -> Result<Term, FormulaError>,
+        part: fn(&mut Self, usize) -> Result<Term<A>, FormulaError>,
         depth: usize,
-    ) -> Result<Term, FormulaError> {
+    ) -> Result<Term<A>, FormulaError> {
         let mut left = part(self, depth)?;
         while self.take(&[sign]) {
             left = two(join, left, part(self, depth)?);
@@ -114,11 +116,11 @@ impl Parser<'_> {
         Ok(left)
     }
 
-    fn equal(&mut self, depth: usize) -> Result<Term, FormulaError> {
+    fn equal(&mut self, depth: usize) -> Result<Term<A>, FormulaError> {
         self.chain("<->", Join::Equal, Self::implies, depth)
     }
 
-    fn implies(&mut self, depth: usize) -> Result<Term, FormulaError> {
+    fn implies(&mut self, depth: usize) -> Result<Term<A>, FormulaError> {
         if depth > DEPTH {
             return Err(FormulaError::Long);
         }
@@ -129,15 +131,15 @@ impl Parser<'_> {
         Ok(left)
     }
 
-    fn or(&mut self, depth: usize) -> Result<Term, FormulaError> {
+    fn or(&mut self, depth: usize) -> Result<Term<A>, FormulaError> {
         self.chain("||", Join::Or, Self::and, depth)
     }
 
-    fn and(&mut self, depth: usize) -> Result<Term, FormulaError> {
+    fn and(&mut self, depth: usize) -> Result<Term<A>, FormulaError> {
         self.chain("&&", Join::And, Self::until, depth)
     }
 
-    fn until(&mut self, depth: usize) -> Result<Term, FormulaError> {
+    fn until(&mut self, depth: usize) -> Result<Term<A>, FormulaError> {
         let left = self.unary(depth)?;
         if self.take(&["U", "until"]) {
             return Ok(Term::Until(Box::new(left), Box::new(self.unary(depth)?)));
@@ -148,11 +150,11 @@ impl Parser<'_> {
         Ok(left)
     }
 
-    fn unary(&mut self, depth: usize) -> Result<Term, FormulaError> {
+    fn unary(&mut self, depth: usize) -> Result<Term<A>, FormulaError> {
         if depth > DEPTH {
             return Err(FormulaError::Long);
         }
-        let of: fn(Box<Term>) -> Term = match self.peek() {
+        let of: fn(Box<Term<A>>) -> Term<A> = match self.peek() {
             "!" => Term::Not,
             "[]" | "always" => Term::Always,
             "<>" | "eventually" => Term::Eventually,
@@ -165,7 +167,7 @@ impl Parser<'_> {
         Ok(of(Box::new(self.unary(depth + 1)?)))
     }
 
-    fn atom(&mut self, depth: usize) -> Result<Term, FormulaError> {
+    fn atom(&mut self, depth: usize) -> Result<Term<A>, FormulaError> {
         if self.take(&["("]) {
             let term = self.equal(depth + 1)?;
             self.expect(")")?;
@@ -180,20 +182,18 @@ impl Parser<'_> {
             _ if word.is_empty()
                 || !word.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_') =>
             {
-                return Err(self.wanted(
-                    "codel(NAME), run(SERVICE), pending(SERVICE), late(TASK) or a service is wanted",
-                ));
+                return Err(self.wanted(format!("{} is wanted", self.facts)));
             }
             _ => {}
         }
         let called = self.tokens.get(self.at + 1).is_some_and(|(token, _)| *token == "(");
         let found = if called {
             let name = self.tokens.get(self.at + 2).map_or("", |(token, _)| *token);
-            Atom::named(self.system, &word, name)
+            (self.fact)(Some(&word), name)
         } else {
-            Atom::named(self.system, "run", &word)
+            (self.fact)(None, &word)
         };
-        let atom = found.map_err(|why| self.wanted(why.to_string()))?;
+        let atom = found.map_err(|why| self.wanted(why))?;
         self.at += if called { 3 } else { 1 };
         if called {
             self.expect(")")?;
@@ -202,6 +202,44 @@ impl Parser<'_> {
     }
 }
 
-fn two(join: Join, a: Term, b: Term) -> Term {
+fn two<A>(join: Join, a: Term<A>, b: Term<A>) -> Term<A> {
     Term::Two(join, Box::new(a), Box::new(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Formulas about letters, alone or in brackets behind `is`.
+    fn letters(text: &str) -> Result<Term<String>, FormulaError> {
+        parse(text, "a letter", &|word, name| match (word, name.len()) {
+            (None | Some("is"), 1) => Ok(name.to_owned()),
+            _ => Err(format!("`{name}` is no letter")),
+        })
+    }
+
+    #[test]
+    fn signs_bind_from_not_to_equal_and_what_follows_is_read_from_the_right() {
+        let same = |one: &str, other: &str| assert_eq!(letters(one), letters(other), "{one}");
+        same("a -> b -> c", "a -> (b -> c)");
+        same("!a && b || c -> d <-> e", "(((((!a) && b) || c) -> d) <-> e)");
+        same("[] a && <> b", "(always is(a)) && (eventually is(b))");
+        same("a U b && c since d", "(a until b) && (c since d)");
+        assert_ne!(letters("a -> b -> c"), letters("(a -> b) -> c"));
+    }
+
+    #[test]
+    fn what_is_no_formula_is_said_with_its_place() {
+        let wrong = |text: &str, at: usize, wanted: &str| {
+            let wanted = FormulaError::Syntax { at, wanted: wanted.to_owned() };
+            assert_eq!(letters(text), Err(wanted), "{text}");
+        };
+        wrong("a &&", 5, "a letter is wanted");
+        wrong("a b", 3, "an operator, or the end");
+        wrong("[] (a", 6, "`)` is wanted");
+        wrong("a && abc", 6, "`abc` is no letter");
+        wrong("a # b", 3, "an operator or a name");
+        assert_eq!(letters(&"!".repeat(100)), Err(FormulaError::Long));
+        assert_eq!(letters(&"a".repeat(3_000)), Err(FormulaError::Long));
+    }
 }

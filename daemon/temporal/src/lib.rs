@@ -1,0 +1,8 @@
+//! Formulas of linear temporal logic (Pnueli: *The Temporal Logic of Programs*, 1977) with words for the
+//! past, about whatever facts their user has; `docs/verify.md` has their text.
+
+mod parse;
+mod term;
+
+pub use parse::{FormulaError, parse};
+pub use term::{Join, Term};
