@@ -4,5 +4,5 @@
 mod parse;
 mod term;
 
-pub use parse::{FormulaError, parse};
+pub use parse::{Facts, FormulaError, parse};
 pub use term::{Join, Term};

@@ -23,16 +23,14 @@ pub enum FormulaError {
     Long,
 }
 
-/// The formula that a text says. `fact` makes a fact of its word and of the name in brackets behind it, or
-/// of a name alone, or says what is wrong with them; `facts` says in words which there are.
+/// Makes a fact of a word before brackets, if there is one, and of a name; or says what is wrong with them.
+pub type Facts<'f, A> = dyn Fn(Option<&str>, &str) -> Result<A, String> + 'f;
+
+/// The formula that a text says. `facts` says in words which facts there are, and `fact` makes them.
 ///
 /// # Errors
 /// If the text is no formula, or names what is no fact.
-pub fn parse<A>(
-    text: &str,
-    facts: &str,
-    fact: &dyn Fn(Option<&str>, &str) -> Result<A, String>,
-) -> Result<Term<A>, FormulaError> {
+pub fn parse<A>(text: &str, facts: &str, fact: &Facts<'_, A>) -> Result<Term<A>, FormulaError> {
     if text.len() > LENGTH {
         return Err(FormulaError::Long);
     }
@@ -75,7 +73,7 @@ fn tokens(text: &str) -> Result<Vec<Token<'_>>, FormulaError> {
 
 struct Parser<'t, A> {
     facts: &'t str,
-    fact: &'t dyn Fn(Option<&str>, &str) -> Result<A, String>,
+    fact: &'t Facts<'t, A>,
     tokens: Vec<Token<'t>>,
     at: usize,
     end: usize,

@@ -41,7 +41,7 @@ impl System {
                     self.at_ticks(times, task, (&facts, &linked), &known, walks).filter(in_time)
                 };
                 let all = ticks(&|walk| walk.from(None));
-                let found = all.or_else(|| ticks(&|walk| walk.from_each()));
+                let found = all.or_else(|| ticks(&|walk| walk.each()));
                 let before = known[index].as_ref();
                 let sum =
                     |one: &Latest| one.left.iter().fold(one.cycle, |a, b| a.saturating_add(*b));

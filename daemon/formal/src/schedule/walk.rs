@@ -105,7 +105,7 @@ impl<'a> Walk<'a> {
 
     /// With any activities at the tick, one list after the other: what is waited for then depends on all
     /// that are there, and not only on those that are through.
-    pub(super) fn from_each(mut self) -> Option<Latest> {
+    pub(super) fn each(mut self) -> Option<Latest> {
         let (mut lists, mut at, mut left) = (vec![(Vec::new(), false)], 0, MOST);
         while let Some((runs, begun)) = lists.get(at).cloned() {
             at += 1;

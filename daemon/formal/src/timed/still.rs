@@ -23,7 +23,8 @@ fn add(nodes: &mut Nodes, node: u16) {
 
 /// The nodes that other tasks may execute from here to the next tick of this one; those of workers are
 /// not looked at, and all there. A task without a tick until then goes on with what is ready, and with
-/// `stop` of what it may be asked to.
+/// `stop` of what it may be asked to. Activities that interrupt one of this task are taken not to be sent
+/// any more, also where that one may be over before the next tick: a cycle without it is shorter.
 pub(super) fn still(
     (system, times): (&System, &Times),
     task: u16,
