@@ -12,6 +12,8 @@ use genom_timing::{Limit, Limits};
 /// The part of the time that all looks at ticks together have, in fifths: states and responses are
 /// looked at, too.
 const FIFTHS: u32 = 3;
+/// How often late runs of all tasks are looked for, at most.
+const ROUNDS: u64 = 2;
 
 impl System {
     /// Whether tasks end their cycles before their next ticks. Tasks that have nothing to do with
@@ -88,19 +90,22 @@ impl System {
                 }
             }
         }
-        let mut open = report.tasks.iter().filter(|task| task.open).count();
-        for (task, found) in tasks.iter().zip(&mut report.tasks) {
-            let Some(sum) = sum(&found.name).filter(|_| found.open) else { continue };
-            open -= 1;
-            let limits = limits.share(begin, open);
-            let run = self.late_run(times, (*task, sum), &latest, &limits);
-            if let Some(run) = run {
-                (found.overrun, found.spent) = self.overrun(times, &run, *task);
-                found.open = false;
-                found.course = Course { steps: run };
-                // The longest cycle of what was seen need not be the longest one.
-                found.response = None;
-                found.slowest.clear();
+        // The time that tasks have left which are soon found to be late is for the others.
+        for round in 0..ROUNDS {
+            let mut open = report.tasks.iter().filter(|task| task.open).count();
+            for (task, found) in tasks.iter().zip(&mut report.tasks) {
+                let Some(sum) = sum(&found.name).filter(|_| found.open) else { continue };
+                open -= 1;
+                let limits = limits.share(begin, open);
+                let run = self.late_run(times, (*task, sum), &latest, (&limits, round));
+                if let Some(run) = run {
+                    (found.overrun, found.spent) = self.overrun(times, &run, *task);
+                    found.open = false;
+                    found.course = Course { steps: run };
+                    // The longest cycle of what was seen need not be the longest one.
+                    found.response = None;
+                    found.slowest.clear();
+                }
             }
         }
         let left = limits.share(begin, 0);

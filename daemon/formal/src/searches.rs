@@ -25,18 +25,21 @@ impl System {
     /// A run in which a task is late, if one is found. It is looked for in two ways, of which each finds
     /// what the other one does not: step by step where most may come, and by random walks through many
     /// small parts. Both at once if there are two processors; on one, the walks have the last sixth of
-    /// the time.
+    /// the time. Walks differ from round to round.
     pub(crate) fn late_run(
         &self,
         times: &Times,
         (task, sum): (u16, &Scheduled),
         known: &[Option<Latest>],
-        limits: &Limits,
+        (limits, round): (&Limits, u64),
     ) -> Option<Steps> {
         let (parts, over) = (self.parts(times, sum), AtomicBool::new(false));
         let walked = Limits { memory: limits.memory / PART, ..*limits };
         let searched = Limits { memory: limits.memory - walked.memory, ..*limits };
-        let walks = |limits: &Limits| self.walked(times, task, (&parts, known), limits, &over);
+        let walks = |limits: &Limits| {
+            let random = Random(0x9e37_79b9_7f4a_7c15 + round);
+            self.walked(times, task, (&parts, known), (limits, random), &over)
+        };
         let search = |limits: &Limits| {
             let begin = Instant::now();
             self.with_cycles(times, task, known, |longest| {
@@ -67,10 +70,10 @@ impl System {
         times: &Times,
         task: u16,
         (parts, known): (&[Self], &[Option<Latest>]),
-        limits: &Limits,
+        (limits, mut random): (&Limits, Random),
         over: &AtomicBool,
     ) -> Option<Steps> {
-        let (begin, mut random) = (Instant::now(), Random(0x9e37_79b9_7f4a_7c15));
+        let begin = Instant::now();
         let mut states = limits.states;
         let found = self.with_cycles(times, task, known, |longest| {
             lengths().find_map(|length| {
