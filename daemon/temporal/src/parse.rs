@@ -23,8 +23,13 @@ pub enum FormulaError {
     Long,
 }
 
+/// What is wrong with words that are no fact.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct NoFact(pub String);
+
 /// Makes a fact of a word before brackets, if there is one, and of a name; or says what is wrong with them.
-pub type Facts<'f, A> = dyn Fn(Option<&str>, &str) -> Result<A, String> + 'f;
+pub type Facts<'f, A> = dyn Fn(Option<&str>, &str) -> Result<A, NoFact> + 'f;
 
 /// The formula that a text says. `facts` says in words which facts there are, and `fact` makes them.
 ///
@@ -191,7 +196,7 @@ impl<A> Parser<'_, A> {
         } else {
             (self.fact)(None, &word)
         };
-        let atom = found.map_err(|why| self.wanted(why))?;
+        let atom = found.map_err(|why| self.wanted(why.0))?;
         self.at += if called { 3 } else { 1 };
         if called {
             self.expect(")")?;
@@ -212,7 +217,7 @@ mod tests {
     fn letters(text: &str) -> Result<Term<String>, FormulaError> {
         parse(text, "a letter", &|word, name| match (word, name.len()) {
             (None | Some("is"), 1) => Ok(name.to_owned()),
-            _ => Err(format!("`{name}` is no letter")),
+            _ => Err(NoFact(format!("`{name}` is no letter"))),
         })
     }
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use genom_temporal::{FormulaError, Join, parse};
+use genom_temporal::{FormulaError, Join, NoFact, parse};
 
 use super::atom::Atom;
 use crate::state::State;
@@ -42,7 +42,7 @@ impl Formula {
     /// If the text is none, or names what the component does not have.
     pub fn new(system: &System, text: &str) -> Result<Self, FormulaError> {
         let fact = |fact: Option<&str>, name: &str| {
-            Atom::named(system, fact.unwrap_or("run"), name).map_err(|why| why.to_string())
+            Atom::named(system, fact.unwrap_or("run"), name).map_err(|why| NoFact(why.to_string()))
         };
         Ok(Self { term: parse(text, FACTS, &fact)?, text: text.to_owned() })
     }
