@@ -107,9 +107,12 @@ impl Walks<'_> {
         None
     }
 
-    /// A request, until it is answered.
+    /// A request, if it is possible, until it is answered.
     fn ask(&mut self, now: &mut Now, steps: &mut Vec<Action>, service: u16) {
         let mut action = Action::Request(service);
+        if !self.possible(&now.state).contains(&action) {
+            return;
+        }
         for _ in 0..STEPS.0 {
             let Some(next) = self.step(now, action) else { return };
             *now = next;

@@ -12,6 +12,7 @@ use super::explore::Timed;
 use super::potential::Potential;
 use super::seek::{Steps, seek};
 use super::walks::walks;
+use crate::action::Action;
 use crate::bounds::Bounds;
 use crate::system::System;
 
@@ -47,16 +48,20 @@ fn found(system: &System, over: bool, ms: u64) -> [Option<Steps>; 2] {
 fn a_task_that_is_late_is_found_by_a_run_that_is_one() {
     let system = duo("8 ms");
     for run in found(&system, false, 60_000) {
-        let run = run.unwrap();
-        let mut now = system.initial(false);
-        for (state, action) in &run {
-            assert_eq!(*state, now);
-            assert!(system.timed(state).contains(action), "{action:?}");
-            now = system.after(state, *action, &mut Vec::new());
-        }
-        let (last, tick) = run.last().unwrap();
-        assert_eq!(Timed::is_late(last, *tick), Some(0));
+        is_one(&system, &run.unwrap());
     }
+}
+
+/// Each step is possible where it is taken, and the last one is a tick that is late.
+fn is_one(system: &System, run: &Steps) {
+    let mut now = system.initial(false);
+    for (state, action) in run {
+        assert_eq!(*state, now);
+        assert!(system.timed(state).contains(action), "{action:?}");
+        now = system.after(state, *action, &mut Vec::new());
+    }
+    let (last, tick) = run.last().unwrap();
+    assert_eq!(Timed::is_late(last, *tick), Some(0));
 }
 
 #[test]
@@ -72,15 +77,20 @@ fn walks_ask_for_activities_in_the_order_in_which_all_of_them_are_there() {
     let activity = |at: usize| {
         let next = if at < 4 { format!(", a{}", at + 1) } else { String::new() };
         format!(
-            "activity a{at}() {{ task t; interrupts a{at}{next};
+            "activity a{at}() {{ task t; interrupts a{at}{next}; validate a{at}_check() wcet 1 ms;
                codel<start> a{at}_start() yield ether wcet 2 ms; }};"
         )
     };
     let all: String = (0..5).map(activity).collect();
     let system = system(&format!("component five {{ task t {{ period 10 ms; }}; {all} }};"));
-    let [run, _] = found(&system, false, 60_000);
-    let run = run.unwrap();
-    let asked =
-        run.iter().filter(|(_, action)| matches!(action, crate::action::Action::Request(_)));
-    assert!(asked.count() >= 5);
+    let times = system.declared_times();
+    let any = |_: &[_]| u64::MAX;
+    let potential = Potential::new(&system, &times, 0, &any).unwrap();
+    for seed in 1..60 {
+        let over = AtomicBool::new(false);
+        let run = walks(&Limits::default(), &potential, &mut Random(seed), &over).unwrap();
+        is_one(&system, &run);
+        let asks = |action: &Action| matches!(action, Action::Request(_));
+        assert!(run.iter().filter(|(_, action)| asks(action)).count() >= 5);
+    }
 }
