@@ -1,6 +1,7 @@
 //! Searches for a run in which a task is late, in parts of a component that is too large to be seen as a
 //! whole.
 
+use std::num::NonZero;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Instant;
@@ -18,14 +19,19 @@ use crate::timed::{Potential, Steps, Times, seek, walks};
 const ZONES: usize = 1_000_000;
 /// The part of the memory that walks may take.
 const PART: usize = 8;
+/// Walks at the same time, at most.
+const WALKERS: u8 = 4;
+/// The part of the time that the search step by step has, if nobody finds a run before.
+const SEARCHED: u32 = 6;
 /// The shortest time that walks through one part take, as a part of the time for all.
 const SHORTEST: u32 = 150;
 
 impl System {
     /// A run in which a task is late, if one is found. It is looked for in two ways, of which each finds
     /// what the other one does not: step by step where most may come, and by random walks through many
-    /// small parts. Both at once if there are two processors; on one, the walks have the last sixth of
-    /// the time. Walks differ from round to round.
+    /// small parts. What the first way finds it mostly finds at once, so it has a part of the time of one
+    /// processor, which walks then, too; all others, up to some, walk from the beginning on. Walks differ
+    /// from round to round; the first way would do the same again, and only has the first one.
     pub(crate) fn late_run(
         &self,
         times: &Times,
@@ -33,15 +39,21 @@ impl System {
         known: &[Option<Latest>],
         (limits, round): (&Limits, u64),
     ) -> Option<Steps> {
-        let (parts, over) = (self.parts(times, sum), AtomicBool::new(false));
+        if limits.time.is_zero() {
+            return None;
+        }
+        let (parts, over, begin) = (self.parts(times, sum), AtomicBool::new(false), Instant::now());
+        let processors = thread::available_parallelism().map_or(1, NonZero::get);
+        let walkers = u8::try_from(processors).unwrap_or(WALKERS).min(WALKERS);
         let walked = Limits { memory: limits.memory / PART, ..*limits };
-        let searched = Limits { memory: limits.memory - walked.memory, ..*limits };
-        let walks = |limits: &Limits| {
-            let random = Random(0x9e37_79b9_7f4a_7c15 + round);
-            self.walked(times, task, (&parts, known), (limits, random), &over)
+        let walks = |walker: u8| {
+            let random = Random(0x9e37_79b9_7f4a_7c15 + round * 8 + u64::from(walker));
+            self.walked(times, task, (&parts, known), (&walked.share(begin, 0), random), &over)
         };
-        let search = |limits: &Limits| {
-            let begin = Instant::now();
+        let search = || {
+            let others = walked.memory * usize::from(walkers - 1);
+            let time = limits.time / SEARCHED;
+            let limits = Limits { memory: limits.memory - others, time, ..*limits };
             self.with_cycles(times, task, known, |longest| {
                 parts.iter().zip(1..).find_map(|(part, number)| {
                     let limits = limits.share(begin, parts.len() - number);
@@ -50,17 +62,19 @@ impl System {
                 })
             })
         };
-        if thread::available_parallelism().is_ok_and(|processors| processors.get() > 1) {
-            return thread::scope(|scope| {
-                let walks = scope.spawn(|| walks(&walked));
-                let found = search(&searched);
-                over.store(found.is_some(), Ordering::Relaxed);
-                found.or(walks.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-            });
-        }
-        let begin = Instant::now();
-        let found = search(&Limits { time: limits.time / 6 * 5, ..searched });
-        found.or_else(|| walks(&walked.share(begin, 0)))
+        thread::scope(|scope| {
+            let walks = &walks;
+            let others: Vec<_> =
+                (1..walkers).map(|walker| scope.spawn(move || walks(walker))).collect();
+            let found = (round == 0).then(search).flatten();
+            over.fetch_or(found.is_some(), Ordering::Relaxed);
+            let mut found = found.or_else(|| walks(0));
+            for other in others {
+                let run = other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+                found = found.or(run);
+            }
+            found
+        })
     }
 
     /// A run to a task that is late by walks through parts that differ at random: with the services in
@@ -97,11 +111,12 @@ impl System {
 
     /// One of the parts with few services, and others of this component; or that with all of them.
     fn varied(&self, parts: &[Self], random: &mut Random) -> Self {
+        // The last two have all services; the very last one has aborts and events, too.
+        let with_all = parts.len().saturating_sub(2);
         if random.below(4) == 0 {
-            return parts[parts.len().saturating_sub(2)].clone();
+            return parts[with_all].clone();
         }
-        let few = parts.len().saturating_sub(2).max(1);
-        let mut part = parts[random.below(few)].clone();
+        let mut part = parts[random.below(with_all)].clone();
         let (percent, any) = (10 * (1 + random.below(5)), random.below(8) == 0);
         for (at, client) in part.clients.iter_mut().enumerate() {
             let acts = any || self.services[at].machine.is_some();

@@ -18,7 +18,7 @@ use crate::state::{At, Pending, Run, State, Task, Worker};
 
 /// Steps of a walk, at most.
 const STEPS: usize = 200;
-/// Places of the same level of which a walk begins at the one whose cycle may get longest.
+/// Places of the same level of which a walk begins at the one from where the longest cycle was found so far.
 const PICKED: usize = 3;
 /// Steps that are tried where a walk is before it is given up.
 const TRIED: usize = 8;
