@@ -2,7 +2,7 @@
 
 use genom_runtime::plan::Builtin;
 
-use crate::action::{Action, Answer, Target};
+use crate::action::{Action, Target};
 use crate::codels::small;
 use crate::services::Work;
 use crate::state::{At, Life, Pc, Phase, Run, State};
@@ -95,8 +95,7 @@ impl System {
     pub fn returns(&self, state: &State) -> Vec<Action> {
         let mut actions = Vec::new();
         for (context, node) in state.lock.holders() {
-            let codel = self.codels.get(usize::from(node));
-            let answers = codel.map_or(&[Answer::Ok][..], |codel| &codel.answers);
+            let answers = self.answers(node);
             actions.extend(answers.iter().map(|answer| Action::Return(context, *answer)));
         }
         actions

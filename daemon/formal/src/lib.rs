@@ -13,7 +13,7 @@ mod bounds;
 mod codels;
 mod enabled;
 mod explore;
-mod export;
+mod flat;
 mod hints;
 mod large;
 mod ltl;
@@ -35,10 +35,11 @@ mod words;
 pub use action::{Action, Answer, End, Target, Told};
 pub use bounds::Bounds;
 pub use explore::{Explored, Looked};
-pub use export::{ExportError, Format, fairness};
+pub use flat::{Flat, FlatState, FlatStep, FlatTo};
 pub use genom_timing::{Conflicts, Limit, Limits, Lock, Period, duration};
 pub use hints::{Hint, hints};
-pub use ltl::{Formula, FormulaError};
+pub use ltl::{Atom, Formula, FormulaError, Join, Term};
+pub use machines::Machine as StateMachine;
 pub use monitor::Fires;
 pub use played::{Call, Course, Event, Happening};
 pub use property::{Finding, Property, Report, Verdict};
@@ -46,6 +47,7 @@ pub use schedule::{
     Called, Cause, Change, Machine, Meanwhile, OnMachine, Placed, Processors, Schedule, Scheduled,
     Threads, Waits,
 };
+pub use services::{Service, Work};
 pub use state::{At, Life, Mode, Pc, Pending, Phase, Place, Run, State, Step, Task, Worker};
 pub use system::System;
 pub use timed::{

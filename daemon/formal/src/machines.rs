@@ -7,17 +7,19 @@ use crate::codels::small;
 
 /// A state machine.
 #[derive(Clone, Debug)]
-pub(crate) struct Machine {
+pub struct Machine {
     /// The service; `None` for the permanent activity of a task.
-    pub(crate) service: Option<u16>,
+    pub service: Option<u16>,
     /// The task that runs it.
-    pub(crate) task: u16,
+    pub task: u16,
     /// The codel of each state of the component.
-    pub(crate) codels: Vec<Option<u16>>,
-    pub(crate) start: u16,
-    pub(crate) stop: u16,
+    pub codels: Vec<Option<u16>>,
+    /// The state in which an activity begins.
+    pub start: u16,
+    /// The state of an activity that was asked to stop.
+    pub stop: u16,
     /// The node of the transfer that reads its outputs at the end, if it has one (dialects.md A).
-    pub(crate) fetch: Option<u16>,
+    pub fetch: Option<u16>,
 }
 
 impl Machine {

@@ -7,24 +7,26 @@ use crate::codels::small;
 
 /// A service.
 #[derive(Clone, Debug)]
-pub(crate) struct Service {
+pub struct Service {
     /// The machine of an activity, by index.
-    pub(crate) machine: Option<u16>,
+    pub machine: Option<u16>,
     /// What a worker does before it concludes.
-    pub(crate) work: Vec<Work>,
+    pub work: Vec<Work>,
     /// For each service, whether this one interrupts it.
-    pub(crate) interrupts: Vec<bool>,
-    pub(crate) before: Vec<u16>,
-    pub(crate) after: Vec<u16>,
+    pub interrupts: Vec<bool>,
+    /// Services that must not have run.
+    pub before: Vec<u16>,
+    /// Services that must have run.
+    pub after: Vec<u16>,
     /// A `before` or `after` names it.
-    pub(crate) ordered: bool,
+    pub ordered: bool,
     /// The runtime implements it.
-    pub(crate) builtin: Option<Builtin>,
+    pub builtin: Option<Builtin>,
 }
 
 /// An item of a worker's work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Work {
+pub enum Work {
     /// A codel, whose node has the same number.
     Codel(u16),
     /// A data transfer, by node.

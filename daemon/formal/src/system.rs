@@ -99,6 +99,31 @@ impl System {
         &self.periods
     }
 
+    /// The state machines: the permanent activity of each task, in their order, then activities.
+    #[must_use]
+    pub fn machines(&self) -> &[Machine] {
+        &self.machines
+    }
+
+    /// The services, in the model's order.
+    #[must_use]
+    pub fn services(&self) -> &[Service] {
+        &self.services
+    }
+
+    /// Which nodes exclude each other.
+    #[must_use]
+    pub fn conflicts(&self) -> &Conflicts {
+        &self.conflicts
+    }
+
+    /// What a node may return: a codel by its description; a data transfer only ends.
+    #[must_use]
+    pub fn answers(&self, node: u16) -> &[Answer] {
+        let codel = self.codels.get(usize::from(node));
+        codel.map_or(&[Answer::Ok], |codel| &codel.answers)
+    }
+
     /// The first state: nothing has started. With `numbered`, activities get the numbers that the
     /// runtime gives them.
     #[must_use]

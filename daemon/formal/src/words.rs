@@ -109,12 +109,16 @@ impl System {
         }
     }
 
-    pub(crate) fn task_name(&self, task: u16) -> String {
+    /// The name of a task.
+    #[must_use]
+    pub fn task_name(&self, task: u16) -> String {
         let task = self.plan.component().tasks.get(TaskIx::new(task.into()));
         task.map(|task| task.name.clone()).unwrap_or_default()
     }
 
-    pub(crate) fn service_name(&self, service: u16) -> String {
+    /// The name of a service.
+    #[must_use]
+    pub fn service_name(&self, service: u16) -> String {
         let service = self.plan.component().services.get(ServiceIx::new(service.into()));
         service.map(|service| service.name.clone()).unwrap_or_default()
     }

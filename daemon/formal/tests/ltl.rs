@@ -4,7 +4,7 @@
 
 mod support;
 
-use genom_formal::{Bounds, ExportError, Formula, Limits, System, Verdict};
+use genom_formal::{Bounds, Formula, Limits, System, Verdict};
 use support::{limits, system};
 
 const TEXT: &str = "component c {
@@ -121,7 +121,6 @@ fn chains_as_long_as_a_formula_may_be_are_read_and_left_to_a_tool() {
         let formula = Formula::new(&system, &text).unwrap();
         assert_eq!(system.check_past(&formula, &limits()), None, "{operator}");
         assert_eq!(system.check_comes(&formula, &limits()), None, "{operator}");
-        assert!(system.export_claim(&formula, None).is_ok(), "{operator}");
     }
     // These are in each other, one by one.
     let error = Formula::new(&system, &["go"; 390].join("->")).unwrap_err();
@@ -139,9 +138,6 @@ fn what_takes_a_tool_or_times_is_told() {
     assert_eq!(system.check_comes(&formula("[] (go -> once home U go)"), &limits()), None);
     let late = formula("[] !late(t)");
     assert_eq!(system.check_past(&late, &limits()), None);
-    assert_eq!(system.export_claim(&late, None), Err(ExportError::NoTimes));
-    let both = formula("[] (go -> <> once home)");
-    assert_eq!(system.export_claim(&both, None), Err(ExportError::Past));
     let few = Limits { states: 3, ..limits() };
     let holds = formula("[] true");
     assert!(matches!(system.check_past(&holds, &few), Some(Verdict::Undecided(_))));

@@ -30,7 +30,7 @@ pub(super) enum AtomError {
 
 /// A fact about a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Atom {
+pub enum Atom {
     /// This codel is executed.
     Codel(u16),
     /// An activity of this service has begun and not ended.

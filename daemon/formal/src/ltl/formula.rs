@@ -16,7 +16,7 @@ pub struct Formula {
 }
 
 /// A formula about a component, or a part of one.
-pub(crate) type Term = genom_temporal::Term<Atom>;
+pub type Term = genom_temporal::Term<Atom>;
 
 /// What formulas are about.
 const FACTS: &str = "codel(NAME), run(SERVICE), pending(SERVICE), late(TASK) or a service";
@@ -45,6 +45,12 @@ impl Formula {
             Atom::named(system, fact.unwrap_or("run"), name).map_err(|why| NoFact(why.to_string()))
         };
         Ok(Self { term: parse(text, FACTS, &fact)?, text: text.to_owned() })
+    }
+
+    /// What it says.
+    #[must_use]
+    pub fn term(&self) -> &Term {
+        &self.term
     }
 
     /// What must hold in every state, if the formula says no more than that: its truth in a state

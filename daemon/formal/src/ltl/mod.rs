@@ -5,8 +5,7 @@ mod comes;
 mod formula;
 mod past;
 
-pub(crate) use atom::Atom;
-pub use formula::Formula;
-pub(crate) use formula::Term;
+pub use atom::Atom;
+pub use formula::{Formula, Term};
 pub use genom_temporal::FormulaError;
-pub(crate) use genom_temporal::Join;
+pub use genom_temporal::Join;

@@ -102,7 +102,8 @@ pub(super) fn stuck(explored: &Explored, system: &System, number: u32) -> Findin
 
 impl System {
     /// A codel, or the service of a data transfer.
-    pub(crate) fn node_name(&self, node: u16) -> String {
+    #[must_use]
+    pub fn node_name(&self, node: u16) -> String {
         let codels = &self.plan.component().codels;
         match codels.get(CodelIx::new(node.into())) {
             Some(codel) => codel.name.clone(),

@@ -20,6 +20,7 @@ mod spent;
 mod still;
 mod table;
 mod times;
+mod unit;
 mod walks;
 #[cfg(test)]
 #[path = "../../tests/unit/walks.rs"]

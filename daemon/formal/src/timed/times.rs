@@ -85,7 +85,8 @@ impl Times {
     }
 
     /// Duration of a node; data transfers take no time.
-    pub(crate) fn of(&self, node: u16) -> Duration {
+    #[must_use]
+    pub fn of(&self, node: u16) -> Duration {
         let codel = self.codels.get(usize::from(node));
         codel.copied().unwrap_or(Duration { least: 0, most: Some(0) })
     }

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use genom_formal::{Bounds, ExportError, Format, System};
+use genom_export::{ExportError, Format, export, export_claim};
+use genom_formal::{Bounds, System};
 
 use super::verify::{Described, Given, Most, formulas};
 use crate::failure::Failure;
@@ -12,13 +13,13 @@ use crate::session::Session;
 /// check it as comments at its head.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-promela has the rules themselves, with clocks if all times are known; tchecker and uppaal have the \
-states that genomctl found, with clocks, and a location that is reached if one is missing. \
-docs/verify.md says what can be asked of them.")]
+promela and uppaal have the rules themselves, with clocks if all times are known; tchecker and \
+uppaal-flat have the states that genomctl found, with clocks, and a location that is reached if one is \
+missing. docs/verify.md says what can be asked of them.")]
 pub(crate) struct Args {
     #[command(flatten)]
     described: Described,
-    /// The language: promela, tchecker or uppaal.
+    /// The language: promela, uppaal, tchecker or uppaal-flat.
     #[arg(long, value_parser = format)]
     format: Format,
     /// The file to write [default: standard output].
@@ -41,7 +42,10 @@ pub(crate) struct Args {
 
 fn format(name: &str) -> Result<Format, String> {
     let found = Format::ALL.into_iter().find(|format| format.name() == name);
-    found.ok_or_else(|| "the languages are promela, tchecker, uppaal".to_owned())
+    found.ok_or_else(|| {
+        let names: Vec<&str> = Format::ALL.iter().map(|format| format.name()).collect();
+        format!("the languages are {}", names.join(", "))
+    })
 }
 
 pub(super) async fn run(args: &Args, session: &Session) -> Result<(), Failure> {
@@ -62,8 +66,8 @@ pub(super) async fn run(args: &Args, session: &Session) -> Result<(), Failure> {
         Some(_) if args.format != Format::Promela => {
             return Err(Failure::usage("--ltl goes with --format promela", "claims are Spin's"));
         }
-        Some(formula) => system.export_claim(formula, times.as_ref().ok()),
-        None => system.export(args.format, times.as_ref().ok(), &args.limits.limits()),
+        Some(formula) => export_claim(&system, formula, times.as_ref().ok()),
+        None => export(&system, args.format, times.as_ref().ok(), &args.limits.limits()),
     };
     let text = text.map_err(|error| {
         let message = match (&error, &times) {

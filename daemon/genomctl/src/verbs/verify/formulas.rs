@@ -50,8 +50,7 @@ fn spin(
 ) -> Result<Verdict, Failure> {
     // Without need, clocks make the model larger.
     let times = times.filter(|_| formula.has_late());
-    let model = system
-        .export_claim(formula, times)
+    let model = genom_export::export_claim(system, formula, times)
         .map_err(|error| Failure::refused("formula", error.to_string()))?;
     let (Some(spin), Some(cc)) = (found("spin"), found("cc")) else {
         let why = "Spin checks this formula, and it takes `spin` and `cc` on the PATH (Debian: spin, gcc)";
@@ -60,7 +59,7 @@ fn spin(
     let folder =
         tempfile::tempdir().map_err(|error| Failure::refused("spin", error.to_string()))?;
     let path = folder.path().join("model.pml");
-    let fair = format!("-DNFAIR={}", genom_formal::fairness(&model));
+    let fair = format!("-DNFAIR={}", genom_export::fairness(&model));
     std::fs::write(&path, model).map_err(|error| Failure::file(&path, error))?;
     let deadline = Instant::now().checked_add(limits.time);
     let run = |program: &Path, arguments: &[&str]| run(program, arguments, folder.path(), deadline);

@@ -1,4 +1,6 @@
 //! States and steps as a timed automaton: what languages without lists can say.
+//!
+//! `genom-export` writes it for other tools.
 
 use std::collections::HashMap;
 
@@ -9,46 +11,51 @@ use crate::system::System;
 use crate::timed::{Clock, Timed, Times, begins, clocks, greatest, is_urgent};
 use genom_timing::{Limit, Limits};
 
-use super::unit::unit;
-
 /// A timed automaton. Times are in units.
-pub(super) struct Flat {
+#[derive(Clone, Debug)]
+pub struct Flat {
     /// Nanoseconds of a unit.
-    pub(super) unit: u64,
+    pub unit: u64,
     /// Names of clocks.
-    pub(super) clocks: Vec<String>,
+    pub clocks: Vec<String>,
     /// Steps from all clocks at zero to the first state: the clock that is waited for, its value,
     /// and the clock that begins then.
-    pub(super) before: Vec<(String, u64, String)>,
-    pub(super) locations: Vec<Location>,
-    pub(super) edges: Vec<Edge>,
+    pub before: Vec<(String, u64, String)>,
+    /// The states; the first one is where it begins.
+    pub states: Vec<FlatState>,
+    /// What leads from one to another.
+    pub steps: Vec<FlatStep>,
     /// Tasks with a period: a tick at work leads to a location of their own, too.
-    pub(super) late: Vec<(u16, String)>,
+    pub late: Vec<(u16, String)>,
 }
 
 /// A state.
-pub(super) struct Location {
+#[derive(Clone, Debug)]
+pub struct FlatState {
     /// No time passes here.
-    pub(super) urgent: bool,
+    pub urgent: bool,
     /// Clocks and their greatest values.
-    pub(super) most: Vec<(String, u64)>,
+    pub most: Vec<(String, u64)>,
 }
 
 /// A step.
-pub(super) struct Edge {
-    pub(super) from: usize,
-    pub(super) to: To,
+#[derive(Clone, Debug)]
+pub struct FlatStep {
+    /// The state before it.
+    pub from: usize,
+    /// What is after it.
+    pub to: FlatTo,
     /// A clock and its least value.
-    pub(super) least: Option<(String, u64)>,
+    pub least: Option<(String, u64)>,
     /// Clocks that begin.
-    pub(super) begins: Vec<String>,
+    pub begins: Vec<String>,
     /// What it is, for readers.
-    pub(super) what: String,
+    pub what: String,
 }
 
 /// Where a step leads.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum To {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FlatTo {
     /// To a state.
     State(usize),
     /// To one that cannot be reached, by what genomctl found.
@@ -57,12 +64,22 @@ pub(super) enum To {
     Late(u16),
 }
 
-pub(super) fn flat(system: &System, times: &Times, limits: &Limits) -> Result<Flat, Limit> {
+impl System {
+    /// The component while it takes such times, as a timed automaton.
+    ///
+    /// # Errors
+    /// The limit that was reached before all states were found.
+    pub fn flat(&self, times: &Times, limits: &Limits) -> Result<Flat, Limit> {
+        flat(self, times, limits)
+    }
+}
+
+fn flat(system: &System, times: &Times, limits: &Limits) -> Result<Flat, Limit> {
     let explored = Timed::new(system, times, limits);
     if let Some(limit) = explored.limit {
         return Err(limit);
     }
-    let unit = unit(system, times);
+    let unit = times.unit(system);
     let states: Vec<State> = explored.all().collect();
     let places: HashMap<&State, usize> =
         states.iter().enumerate().map(|(at, state)| (state, at)).collect();
@@ -73,15 +90,15 @@ pub(super) fn flat(system: &System, times: &Times, limits: &Limits) -> Result<Fl
             let most = greatest(system, times, state, *clock)?;
             Some((name(*clock), most / unit))
         });
-        locations.push(Location { urgent: is_urgent(system, state), most: most.collect() });
+        locations.push(FlatState { urgent: is_urgent(system, state), most: most.collect() });
         for action in system.timed(state) {
             let next = system.after(state, action, &mut told);
             told.clear();
             let new = clocks(system, times, &next).into_iter();
             let new = new.filter(|clock| begins(*clock, action) || !running.contains(clock));
-            let edge = Edge {
+            let edge = FlatStep {
                 from,
-                to: places.get(&next).map_or(To::Unreachable, |to| To::State(*to)),
+                to: places.get(&next).map_or(FlatTo::Unreachable, |to| FlatTo::State(*to)),
                 least: least(system, times, state, action).map(|(clock, ns)| (clock, ns / unit)),
                 begins: new.map(name).collect(),
                 what: system.words(state, action).map_or_else(
@@ -91,8 +108,8 @@ pub(super) fn flat(system: &System, times: &Times, limits: &Limits) -> Result<Fl
             };
             if let Some(task) = Timed::is_late(state, action) {
                 let (from, least) = (edge.from, edge.least.clone());
-                let (to, what) = (To::Late(task), format!("{} is late", system.task_name(task)));
-                edges.push(Edge { from, to, least, begins: Vec::new(), what });
+                let (to, what) = (FlatTo::Late(task), format!("{} is late", system.task_name(task)));
+                edges.push(FlatStep { from, to, least, begins: Vec::new(), what });
             }
             edges.push(edge);
         }
@@ -105,8 +122,8 @@ pub(super) fn flat(system: &System, times: &Times, limits: &Limits) -> Result<Fl
         unit,
         clocks: all.map(name).collect(),
         before: before(system, unit),
-        locations,
-        edges,
+        states: locations,
+        steps: edges,
         late: ticks.iter().map(|task| (*task, system.task_name(*task))).collect(),
     })
 }

@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::process::Command;
 
-use genom_formal::{Format, Limits, System, Times};
+use genom_export::{Format, export, fairness};
+use genom_formal::{Limits, System, Times};
 
 /// A model that Spin has made a program of.
 pub(crate) struct Checked {
@@ -21,7 +22,7 @@ pub(crate) struct Found {
 impl Checked {
     /// Spin's program for this component; with times if there are any.
     pub(crate) fn new(system: &System, times: Option<&Times>) -> Self {
-        let text = system.export(Format::Promela, times, &Limits::default()).unwrap();
+        let text = export(system, Format::Promela, times, &Limits::default()).unwrap();
         Self::of(&text, times.is_some())
     }
 
@@ -55,7 +56,7 @@ impl Checked {
         let path = self.folder.path();
         if !path.join("user").exists() {
             let model = std::fs::read_to_string(path.join("model.pml")).unwrap();
-            let fair = format!("-DNFAIR={}", genom_formal::fairness(&model));
+            let fair = format!("-DNFAIR={}", fairness(&model));
             let all = ["-O0", "-w", &fair, "-DMEMLIM=2048", "-DVECTORSZ=4096", "-o", "user"];
             run(Path::new("cc"), &[&all[..], &["pan.c"]].concat(), path);
         }

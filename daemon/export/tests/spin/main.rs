@@ -5,10 +5,10 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod compare;
-#[path = "../conformance/components.rs"]
+#[path = "../../../formal/tests/conformance/components.rs"]
 mod components;
 mod formulas;
-#[path = "../conformance/random.rs"]
+#[path = "../../../formal/tests/conformance/random.rs"]
 mod random;
 mod run;
 mod small;
@@ -20,6 +20,7 @@ use std::path::Path;
 use compare::compare;
 use formulas::{COMES, NEVER, judge};
 use genom_description::{Options, read};
+use genom_export::export_claim;
 use genom_formal::{Bounds, Duration, Formula, System, Times, Verdict};
 use run::Checked;
 use small::{made, system};
@@ -77,7 +78,7 @@ fn spin_agrees_on_formulas_of_users() {
     let demo = || repository("components/demo/demo.gen", Bounds::default());
     let violated = |system: &System, text: &str| {
         let formula = Formula::new(system, text).unwrap();
-        let model = system.export_claim(&formula, None).unwrap();
+        let model = export_claim(system, &formula, None).unwrap();
         let limits = compare::limits(200_000);
         let ours = system.check_past(&formula, &limits);
         let ours = ours.or_else(|| system.check_comes(&formula, &limits));

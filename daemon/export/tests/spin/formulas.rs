@@ -1,5 +1,6 @@
 //! Random formulas of random components: whether they hold, by Spin and by ourselves.
 
+use genom_export::export_claim;
 use genom_formal::{Bounds, Formula, System, Verdict};
 
 use super::compare::limits;
@@ -66,7 +67,7 @@ pub(crate) fn judge(seed: u64, most: usize) -> Option<Tally> {
             Verdict::Undecided(_) => return None,
             verdict => ours.push((is_never, verdict == Verdict::Holds)),
         }
-        let claimed = system.export_claim(&formula, None).unwrap();
+        let claimed = export_claim(&system, &formula, None).unwrap();
         let claim = claimed.lines().last().unwrap();
         assert!(claim.starts_with("ltl user {"), "{claim}");
         let named = claim.replace("ltl user {", &format!("ltl user{at} {{"));

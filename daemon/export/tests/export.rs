@@ -3,11 +3,13 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+#[path = "../../formal/tests/support/mod.rs"]
 mod support;
 
 use std::collections::BTreeSet;
 
-use genom_formal::{ExportError, Format, Limits};
+use genom_export::{ExportError, Format, export};
+use genom_formal::Limits;
 use support::{DUO, limits, running};
 
 /// Their ticks are not at the same dates.
@@ -24,7 +26,7 @@ fn after<'a>(text: &'a str, from: &str, ends: &[char]) -> Vec<&'a str> {
 fn tchecker_gets_all_states_and_each_step_leads_to_one() {
     let system = running(&shifted());
     let times = system.declared_times();
-    let text = system.export(Format::Tchecker, Some(&times), &limits()).unwrap();
+    let text = export(&system, Format::Tchecker, Some(&times), &limits()).unwrap();
     let declared: BTreeSet<&str> = after(&text, "\nlocation:p:", &['{']).into_iter().collect();
     let states = system.check_times(&times, &limits()).explored.states();
     let found = declared.iter().filter(|name| name.starts_with('s')).count();
@@ -42,8 +44,8 @@ fn tchecker_gets_all_states_and_each_step_leads_to_one() {
 fn uppaal_gets_the_same_states_and_steps() {
     let system = running(&shifted());
     let times = system.declared_times();
-    let flat = system.export(Format::Tchecker, Some(&times), &limits()).unwrap();
-    let text = system.export(Format::Uppaal, Some(&times), &limits()).unwrap();
+    let flat = export(&system, Format::Tchecker, Some(&times), &limits()).unwrap();
+    let text = export(&system, Format::UppaalFlat, Some(&times), &limits()).unwrap();
     let ids: BTreeSet<&str> = after(&text, "<location id=\"", &['"']).into_iter().collect();
     assert_eq!(ids.len(), after(&flat, "\nlocation:p:", &['{']).len());
     let refs = after(&text, " ref=\"", &['"']);
@@ -92,7 +94,7 @@ fn uppaal_gets_a_file_of_its_document_type_in_which_each_reference_is_to_a_locat
     for text in [shifted(), DUO.to_owned()] {
         let system = running(&text);
         let times = system.declared_times();
-        let text = system.export(Format::Uppaal, Some(&times), &limits()).unwrap();
+        let text = export(&system, Format::UppaalFlat, Some(&times), &limits()).unwrap();
         let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
         let document = roxmltree::Document::parse_with_options(&text, options).unwrap();
         let root = document.root_element();
@@ -113,10 +115,10 @@ fn uppaal_gets_a_file_of_its_document_type_in_which_each_reference_is_to_a_locat
 #[test]
 fn clocks_want_times_of_all_codels() {
     let system = running(&shifted().replace("wcet 8 ms", ""));
-    assert_eq!(system.export(Format::Tchecker, None, &limits()), Err(ExportError::NoTimes));
+    assert_eq!(export(&system, Format::Tchecker, None, &limits()), Err(ExportError::NoTimes));
     let few = Limits { states: 3, ..limits() };
     let times = system.declared_times();
-    let refused = system.export(Format::Uppaal, Some(&times), &few).unwrap_err();
+    let refused = export(&system, Format::UppaalFlat, Some(&times), &few).unwrap_err();
     assert_eq!(
         refused.to_string(),
         "the states cannot be written out: more than 3 states; lower the bounds on clients"

@@ -2,19 +2,19 @@
 
 use genom_description::model::{CodelIx, Ix as _};
 
-use super::promela::{executors, runs_of_task};
-use crate::ltl::{Atom, Formula, Join, Term};
-use crate::system::System;
+use genom_formal::{Atom, Formula, Join, System, Term};
+
+use crate::tables::{executors, runs_of_task};
 
 /// The claim `user`; `None` if the formula speaks of the past, which Promela's do not.
-pub(super) fn claim(system: &System, formula: &Formula, model: &str) -> Option<String> {
-    let name = &system.plan.component().name;
+pub(crate) fn claim(system: &System, formula: &Formula, model: &str) -> Option<String> {
+    let name = &system.plan().component().name;
     Some(format!(
         "\n/* {formula}\n   Checked for all runs in which no process waits for ever though it could go \
          on; errors: 0 if it holds:\n     spin -a {name}.pml && cc -O2 -DNFAIR={} -DVECTORSZ=4096 -o pan \
          pan.c && ./pan -a -f -m1000000 -N user */\nltl user {{ {} }}\n",
         fairness(model),
-        term(system, &formula.term)?
+        term(system, formula.term())?
     ))
 }
 
@@ -50,9 +50,9 @@ fn term(system: &System, of: &Term) -> Option<String> {
 fn fact(system: &System, atom: Atom) -> String {
     let any = |all: Vec<String>| if all.is_empty() { "false".into() } else { all.join(" || ") };
     let of_service = |service: u16, what: &dyn Fn(usize, usize) -> String| -> Vec<String> {
-        let machine = system.services[usize::from(service)].machine;
+        let machine = system.services()[usize::from(service)].machine;
         let Some(machine) = machine else { return Vec::new() };
-        let task = usize::from(system.machines[usize::from(machine)].task);
+        let task = usize::from(system.machines()[usize::from(machine)].task);
         let places = 0..runs_of_task(system, task);
         let own = |at: usize| format!("T[{task}].r[{at}].machine == {machine}");
         places.map(|at| format!("({} && {})", own(at), what(task, at))).collect()
@@ -72,8 +72,8 @@ fn fact(system: &System, atom: Atom) -> String {
             let mut all = of_service(service, &|t, x| {
                 format!("{x} < T[{t}].nr + T[{t}].ni && T[{t}].r[{x}].life == INIT")
             });
-            let activities = system.services.iter().filter(|one| one.machine.is_some()).count();
-            let places = 0..(activities * system.bounds.instances).max(1);
+            let activities = system.services().iter().filter(|one| one.machine.is_some()).count();
+            let places = 0..(activities * system.bounds().instances).max(1);
             all.extend(places.map(|at| format!("({at} < np && pending[{at}] == {service})")));
             all
         }

@@ -1,6 +1,6 @@
 //! Why a model cannot be written.
 
-use genom_timing::Limit;
+use genom_formal::Limit;
 
 /// Why a model cannot be written.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -5,11 +5,11 @@
 
 #[path = "../tests/spin/compare.rs"]
 mod compare;
-#[path = "../tests/conformance/components.rs"]
+#[path = "../../formal/tests/conformance/components.rs"]
 mod components;
 #[path = "../tests/spin/formulas.rs"]
 mod formulas;
-#[path = "../tests/conformance/random.rs"]
+#[path = "../../formal/tests/conformance/random.rs"]
 mod random;
 #[path = "../tests/spin/run.rs"]
 mod run;

@@ -2,10 +2,9 @@
 
 use std::fmt::Write as _;
 
-use super::flat::{Flat, To};
-use crate::system::System;
+use genom_formal::{Flat, FlatTo, System};
 
-pub(super) fn tchecker(system: &System, flat: &Flat) -> String {
+pub(crate) fn tchecker(system: &System, flat: &Flat) -> String {
     let name = &system.plan().component().name;
     let mut text = format!(
         "# Component {name}, with its clocks in units of {} ns. Checked by TChecker, saved as\n\
@@ -25,7 +24,7 @@ pub(super) fn tchecker(system: &System, flat: &Flat) -> String {
         let first = if at == 0 { "initial: : " } else { "" };
         let _ = writeln!(text, "location:p:b{at}{{{first}invariant: {clock}<={most}}}");
     }
-    for (at, location) in flat.locations.iter().enumerate() {
+    for (at, location) in flat.states.iter().enumerate() {
         let mut all = Vec::new();
         if at == 0 && flat.before.is_empty() {
             all.push("initial:".to_owned());
@@ -49,12 +48,12 @@ pub(super) fn tchecker(system: &System, flat: &Flat) -> String {
         let begin = if begins.is_empty() { String::new() } else { format!(" : do: {begins}=0") };
         let _ = writeln!(text, "edge:p:b{at}:{to}:tau{{provided: {clock}=={most}{begin}}}");
     }
-    for edge in &flat.edges {
+    for edge in &flat.steps {
         let name = |task: u16| flat.late.iter().find(|(late, _)| *late == task);
         let (to, all) = match edge.to {
-            To::State(to) => (format!("s{to}"), false),
-            To::Unreachable => ("unreachable".into(), true),
-            To::Late(task) => {
+            FlatTo::State(to) => (format!("s{to}"), false),
+            FlatTo::Unreachable => ("unreachable".into(), true),
+            FlatTo::Late(task) => {
                 (format!("late_{}", name(task).map_or("", |(_, name)| name.as_str())), true)
             }
         };
