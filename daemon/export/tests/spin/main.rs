@@ -21,12 +21,10 @@ use compare::compare;
 use formulas::{COMES, NEVER, judge};
 use genom_description::{Options, read};
 use genom_export::export_claim;
-use genom_formal::{Bounds, Duration, Formula, System, Times, Verdict};
+use genom_formal::{Bounds, Formula, System, Verdict};
 use run::Checked;
-use small::{made, system};
+use small::made;
 use tally::Tally;
-
-const MS: u64 = 1_000_000;
 
 /// The system of a description of this repository.
 fn repository(path: &str, bounds: Bounds) -> System {
@@ -132,18 +130,8 @@ fn spin_agrees_on_which_tasks_of_random_components_are_late() {
 
 #[test]
 fn spin_agrees_on_the_bound_of_two_tasks_that_share_data() {
-    let text = "component duo { ids { long shared; };
-      task fast { period 10 ms; codel<start> fa(inout shared) yield pause::start; };
-      task slow { period 40 ms; codel<start> sb(inout shared) yield work;
-        codel<work> sw() yield pause::start; }; };";
     for (most, late) in [(6, false), (7, true), (8, true)] {
-        let bounds = Bounds { kill: false, ..Bounds::default() };
-        let system = system(text, bounds, false);
-        let mut times: Times = system.declared_times();
-        for (codel, most) in [("fa", 3), ("sb", most), ("sw", 20)] {
-            let duration = Duration { least: MS, most: Some(most * MS) };
-            assert!(times.set(system.plan().component(), codel, duration));
-        }
+        let (system, times) = small::two_tasks(most);
         let report = system.check_times(&times, &compare::limits(100_000));
         let spin = Checked::new(&system, Some(&times));
         for (task, late) in [("fast", late), ("slow", false)] {

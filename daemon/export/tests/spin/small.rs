@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use genom_description::{Analysis, Options, read_text};
-use genom_formal::{Bounds, System};
+use genom_formal::{Bounds, Duration, System, Times};
 use genom_runtime::Plan;
 
 use super::components::component;
@@ -34,4 +34,36 @@ pub(crate) fn random(seed: u64) -> System {
         kill: random.percent(50),
     };
     system(&text, bounds, true)
+}
+
+/// A random component with random times, in whole milliseconds.
+pub(crate) fn timed(seed: u64) -> (System, Times) {
+    const MS: u64 = 1_000_000;
+    let system = random(seed);
+    let bounds = Bounds { kill: false, instances: 1, requests: 1, fire: false, ..*system.bounds() };
+    let system = System::new(system.plan(), bounds);
+    let (mut times, mut random) = (system.declared_times(), Random(seed));
+    for codel in system.plan().component().codels.iter() {
+        let most = u64::try_from(random.below(4)).unwrap();
+        let least = if random.percent(30) { most / 2 } else { 0 };
+        let duration = Duration { least: least * MS, most: Some(most * MS) };
+        times.set(system.plan().component(), &codel.name, duration);
+    }
+    (system, times)
+}
+
+/// Two tasks that share data, with times of their codels: `sb` takes so many milliseconds at most.
+pub(crate) fn two_tasks(most: u64) -> (System, Times) {
+    const MS: u64 = 1_000_000;
+    let text = "component duo { ids { long shared; };
+      task fast { period 10 ms; codel<start> fa(inout shared) yield pause::start; };
+      task slow { period 40 ms; codel<start> sb(inout shared) yield work;
+        codel<work> sw() yield pause::start; }; };";
+    let system = system(text, Bounds { kill: false, ..Bounds::default() }, false);
+    let mut times = system.declared_times();
+    for (codel, most) in [("fa", 3), ("sb", most), ("sw", 20)] {
+        let duration = Duration { least: MS, most: Some(most * MS) };
+        assert!(times.set(system.plan().component(), codel, duration));
+    }
+    (system, times)
 }

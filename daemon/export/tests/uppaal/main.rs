@@ -19,13 +19,14 @@ mod names;
 mod random;
 #[path = "../spin/small.rs"]
 mod small;
+mod timed;
 
 use std::path::Path;
 
 use compare::compare;
 use genom_description::{Options, read};
 use genom_formal::{Bounds, System};
-use small::{made, system};
+use small::made;
 
 /// The system of a description of this repository.
 fn repository(path: &str, bounds: Bounds) -> System {
@@ -52,5 +53,20 @@ fn random_components_have_as_many_states_and_the_same_verdicts() {
         let compared = compare(&small::random(seed), 20_000);
         println!("{seed}: {compared:?} {:?}", began.elapsed());
     }
-    let _ = system;
+}
+
+#[test]
+fn tasks_that_share_data_are_late_as_we_find() {
+    for (most, late) in [(6, false), (7, true), (8, true)] {
+        let (system, times) = small::two_tasks(most);
+        let found = timed::late(&system, &times, (100_000, 100_000)).unwrap();
+        println!("{found:?}");
+        assert_eq!(found.1, [("fast".to_owned(), late), ("slow".to_owned(), false)], "{most} ms");
+    }
+    for seed in 0..100 {
+        let (system, times) = small::timed(seed);
+        let began = std::time::Instant::now();
+        let found = timed::late(&system, &times, (50_000, 1_000));
+        println!("{seed}: {found:?} {:?}", began.elapsed());
+    }
 }
