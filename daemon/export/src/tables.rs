@@ -163,10 +163,7 @@ fn machines(system: &System) -> Vec<Entry> {
     let (all, component) = (system.machines(), system.plan().component());
     let of_states = all.iter().flat_map(|m| m.codels.iter().copied());
     vec![
-        Entry::Table(
-            "M_SERVICE",
-            all.iter().map(|m| m.service.map_or(255, usize::from)).collect(),
-        ),
+        Entry::Table("M_SERVICE", all.iter().map(|m| m.service.map_or(255, usize::from)).collect()),
         Entry::Table("M_TASK", all.iter().map(|m| usize::from(m.task)).collect()),
         Entry::Table("M_FETCH", all.iter().map(|m| plus_one(m.fetch)).collect()),
         Entry::Note("states", component.states.iter().cloned().collect()),

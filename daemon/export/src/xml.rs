@@ -73,8 +73,6 @@ pub(crate) fn edge(text: &mut String, edge: &Edge<'_>) {
 /// What is asked of the model.
 pub(crate) fn query(text: &mut String, formula: &str, comment: &str) {
     let (formula, comment) = (escaped(formula), escaped(comment));
-    let _ = writeln!(
-        text,
-        "<query><formula>{formula}</formula><comment>{comment}</comment></query>"
-    );
+    let _ =
+        writeln!(text, "<query><formula>{formula}</formula><comment>{comment}</comment></query>");
 }

@@ -32,8 +32,7 @@ fn chains_as_long_as_a_formula_may_be_are_written() {
 #[test]
 fn what_a_claim_cannot_say_is_told() {
     let system = component();
-    let claim =
-        |text: &str| export_claim(&system, &Formula::new(&system, text).unwrap(), None);
+    let claim = |text: &str| export_claim(&system, &Formula::new(&system, text).unwrap(), None);
     assert_eq!(claim("[] !late(t)"), Err(ExportError::NoTimes));
     assert_eq!(claim("[] (go -> <> once home)"), Err(ExportError::Past));
 }

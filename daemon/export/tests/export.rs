@@ -1,5 +1,6 @@
-//! Models for other tools name only what they declare. What they say is compared with Spin
-//! (`spin`); TChecker and UPPAAL are no part of the tests.
+//! Models for other tools name only what they declare. What they say is compared with Spin (`spin`), and
+//! with an interpreter of the rules in UPPAAL's language (`uppaal`); TChecker and UPPAAL themselves are
+//! no part of the tests.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
@@ -41,7 +42,7 @@ fn tchecker_gets_all_states_and_each_step_leads_to_one() {
 }
 
 #[test]
-fn uppaal_gets_the_same_states_and_steps() {
+fn uppaal_can_have_the_same_states_and_steps() {
     let system = running(&shifted());
     let times = system.declared_times();
     let flat = export(&system, Format::Tchecker, Some(&times), &limits()).unwrap();
@@ -61,7 +62,16 @@ fn uppaal_gets_the_same_states_and_steps() {
 /// is not here has text only.
 const DOCUMENT_TYPE: [(&str, Contents); 7] = [
     ("nta", &[("declaration", 0, 1), ("template", 1, MANY), ("system", 1, 1), ("queries", 0, 1)]),
-    ("template", &[("name", 1, 1), ("location", 0, MANY), ("init", 0, 1), ("transition", 0, MANY)]),
+    (
+        "template",
+        &[
+            ("name", 1, 1),
+            ("parameter", 0, 1),
+            ("location", 0, MANY),
+            ("init", 0, 1),
+            ("transition", 0, MANY),
+        ],
+    ),
     ("location", &[("name", 0, 1), ("label", 0, MANY), ("urgent", 0, 1), ("committed", 0, 1)]),
     ("transition", &[("source", 1, 1), ("target", 1, 1), ("label", 0, MANY)]),
     ("queries", &[("query", 0, MANY)]),
@@ -91,10 +101,14 @@ fn is_valid(element: roxmltree::Node<'_, '_>) -> bool {
 #[test]
 fn uppaal_gets_a_file_of_its_document_type_in_which_each_reference_is_to_a_location() {
     // With and without what comes before the first tick, and with names of what is done.
-    for text in [shifted(), DUO.to_owned()] {
+    for (text, format) in [
+        (shifted(), Format::UppaalFlat),
+        (DUO.to_owned(), Format::UppaalFlat),
+        (shifted(), Format::Uppaal),
+    ] {
         let system = running(&text);
         let times = system.declared_times();
-        let text = export(&system, Format::UppaalFlat, Some(&times), &limits()).unwrap();
+        let text = export(&system, format, Some(&times), &limits()).unwrap();
         let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
         let document = roxmltree::Document::parse_with_options(&text, options).unwrap();
         let root = document.root_element();
@@ -110,6 +124,32 @@ fn uppaal_gets_a_file_of_its_document_type_in_which_each_reference_is_to_a_locat
             |name: &str| document.descendants().filter(|one| one.has_tag_name(name)).count();
         assert_eq!(with("ref").count(), 2 * ended("transition") + ended("init"));
     }
+}
+
+#[test]
+fn uppaal_gets_tables_and_roles_beside_the_rules() {
+    let system = running(
+        "component tiny { task t { period 5 ms; delay 1 ms; codel<start> t0() yield pause::start wcet \
+         2 ms; }; };",
+    );
+    let times = system.declared_times();
+    let text = export(&system, Format::Uppaal, Some(&times), &limits()).unwrap();
+    let (tables, rest) = text.split_once("\n/* --- Rules").unwrap();
+    let (_, roles) = rest.split_once("\nclock ").unwrap();
+    let short = format!("{tables}\n(the rules)\nclock {roles}");
+    expect_test::expect_file!["golden/tiny.xml"].assert_eq(&short);
+}
+
+#[test]
+fn uppaal_gets_no_longer_times_than_its_clocks_count() {
+    let system = running(&DUO.replace("wcet 3 ms", "wcet 0.000001 ms").replace("40 ms", "4000 ms"));
+    let times = system.declared_times();
+    let refused = export(&system, Format::Uppaal, Some(&times), &limits()).unwrap_err();
+    assert_eq!(
+        refused.to_string(),
+        "the component has 4000000000 units of time in one of its times, and a model in uppaal may have \
+         1000000000"
+    );
 }
 
 #[test]

@@ -108,7 +108,8 @@ fn flat(system: &System, times: &Times, limits: &Limits) -> Result<Flat, Limit> 
             };
             if let Some(task) = Timed::is_late(state, action) {
                 let (from, least) = (edge.from, edge.least.clone());
-                let (to, what) = (FlatTo::Late(task), format!("{} is late", system.task_name(task)));
+                let (to, what) =
+                    (FlatTo::Late(task), format!("{} is late", system.task_name(task)));
                 edges.push(FlatStep { from, to, least, begins: Vec::new(), what });
             }
             edges.push(edge);

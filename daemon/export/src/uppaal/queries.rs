@@ -27,8 +27,7 @@ pub(super) fn queries(text: &mut String, system: &System, timed: bool) {
     }
     for (service, at) in system.services().iter().zip(0u16..) {
         if service.builtin.is_none() {
-            let comment =
-                format!("reach: a request of {} can succeed", system.service_name(at));
+            let comment = format!("reach: a request of {} can succeed", system.service_name(at));
             query(text, &format!("E<> pc[{at}] == CONCLUDE"), &comment);
         }
     }

@@ -58,8 +58,9 @@ impl Edges {
     /// The ticks before the first date are where delays put them.
     fn begin(&self, system: &System) -> Role {
         let periodic = (0..).zip(system.periods()).filter(|(_, period)| period.is_some());
-        let clocks: Vec<String> =
-            periodic.map(|(task, _): (usize, _)| format!("clk[{task}] = SINCE_TICK[{task}]")).collect();
+        let clocks: Vec<String> = periodic
+            .map(|(task, _): (usize, _)| format!("clk[{task}] = SINCE_TICK[{task}]"))
+            .collect();
         let begin = Role::new("Beginning", "", Vec::new()).beginning(clocks.join(", "));
         let there = self.timed && !clocks.is_empty();
         begin.of(there.then(|| ("Beginning".to_owned(), String::new())))
@@ -91,8 +92,8 @@ impl Edges {
             Step::new("phase != STOPPED && may_tick(id)", "tick(id)")
         };
         let periodic = (0..).zip(system.periods()).filter(|(_, period)| period.is_some());
-        let names =
-            periodic.map(|(task, _)| (format!("Tick_{}", system.task_name(task)), task.to_string()));
+        let names = periodic
+            .map(|(task, _)| (format!("Tick_{}", system.task_name(task)), task.to_string()));
         let limit = if self.timed { "clk[id] <= PERIOD[id]" } else { "" };
         Role::new("Tick", "const int[0,TASKS - 1] id", vec![step]).within(limit.into()).of(names)
     }
@@ -103,11 +104,13 @@ impl Edges {
             Step::new("may_request(id)", &self.begins("request(id)")),
             Step::at_once("phase != STOPPED && pc[id] >= WAKE_OK", "proceed(id)"),
         ];
-        steps.extend(self.returns("worker(id)", "worker_returns(id, answer_kind(worker(id), k))"));
+        let returns = "worker_returns(id, answer_kind(TASK_COUNT + id, k))";
+        steps.extend(self.returns("TASK_COUNT + id", returns));
         let own = (0..).zip(system.services()).filter(|(_, service)| service.builtin.is_none());
-        let names = own.map(|(at, _)| (format!("Client_{}", system.service_name(at)), at.to_string()));
+        let names =
+            own.map(|(at, _)| (format!("Client_{}", system.service_name(at)), at.to_string()));
         Role::new("Client", "const int[0,SERVICES - 1] id", steps)
-            .within(self.within("worker(id)"))
+            .within(self.within("TASK_COUNT + id"))
             .of(names)
     }
 }
@@ -147,7 +150,8 @@ fn stop(system: &System, sizes: &Sizes) -> Option<Role> {
 fn event(system: &System, sizes: &Sizes) -> Role {
     let tasks = 0..if system.bounds().fire { sizes.tasks } else { 0 };
     let pairs = tasks.flat_map(|task| (0..sizes.sinks).map(move |sink| (task, sink)));
-    let names = pairs.map(|(task, sink)| (format!("Event_{task}_{sink}"), format!("{task}, {sink}")));
+    let names =
+        pairs.map(|(task, sink)| (format!("Event_{task}_{sink}"), format!("{task}, {sink}")));
     let parameters = "const int[0,TASKS - 1] t, const int[0,HEARD - 1] k";
     Role::new("Event", parameters, vec![Step::new("may_fire(t, k)", "fire(t, k)")]).of(names)
 }

@@ -1,10 +1,9 @@
 //! All states of a model, as UPPAAL's semantics says, with time in whole units. Bounds of clocks are
 //! closed, so that what can be reached at any date can be reached at a whole one.
 
-use std::collections::HashSet;
-
 use super::code::Expr;
 use super::file::{Edge, Model};
+use super::graph::{Graph, reached};
 use super::memory::{Machine, Values};
 
 /// Where each process is, and the values of all variables.
@@ -17,7 +16,7 @@ struct State {
 /// What was found.
 #[derive(Debug)]
 pub(crate) struct Found {
-    pub(crate) states: usize,
+    pub(crate) graph: Graph,
     /// Of each query, its comment and whether it holds.
     pub(crate) verdicts: Vec<(String, bool)>,
 }
@@ -35,6 +34,8 @@ pub(crate) struct Explorer<'m> {
     model: &'m Model,
     /// Of each clock, when its value is of interest.
     counts: Vec<Option<Expr>>,
+    /// What is seen of a state.
+    seen: Vec<Expr>,
     /// A value of clocks above all that they are compared with.
     most: i32,
 }
@@ -42,7 +43,7 @@ pub(crate) struct Explorer<'m> {
 impl<'m> Explorer<'m> {
     pub(crate) fn new(model: &'m Model) -> Self {
         let most = model.fixed.constants.iter().max().map_or(1, |most| most + 1);
-        Self { model, counts: vec![None; model.clocks().len()], most }
+        Self { model, counts: vec![None; model.clocks().len()], seen: Vec::new(), most }
     }
 
     /// A clock is of interest only where this holds. Where it does not, it is as if it was too late for
@@ -50,6 +51,11 @@ impl<'m> Explorer<'m> {
     pub(crate) fn counting(mut self, clock: usize, only: Expr) -> Self {
         self.counts[clock] = Some(only);
         self
+    }
+
+    /// Of states, the values of these are seen.
+    pub(crate) fn seeing(self, seen: Vec<Expr>) -> Self {
+        Self { seen, ..self }
     }
 
     fn holds(&self, values: &mut Values, expr: Option<&Expr>) -> bool {
@@ -151,31 +157,21 @@ impl<'m> Explorer<'m> {
         self.settle(&mut first);
         let queries = &self.model.queries;
         let mut verdicts: Vec<bool> = queries.iter().map(|query| query.all).collect();
-        let mut seen: HashSet<State> = HashSet::from([first.clone()]);
-        let (mut left, mut next) = (vec![first], Vec::new());
-        while let Some(mut state) = left.pop() {
-            next.clear();
-            let may_wait = self.steps(&state, &mut next);
-            let is_deadlock = next.is_empty() && self.is_deadlock(&state);
-            next.extend(self.later(&state).filter(|_| may_wait));
-            let mut machine = Machine::new(&self.model.fixed, &mut state.values);
+        let graph = reached(first, limit, |state, next| {
+            let may_wait = self.steps(state, next);
+            let is_deadlock = next.is_empty() && self.is_deadlock(state);
+            next.extend(self.later(state).filter(|_| may_wait));
+            let mut values = state.values.clone();
+            let mut machine = Machine::new(&self.model.fixed, &mut values);
             machine.is_deadlock = is_deadlock;
             for (query, verdict) in queries.iter().zip(&mut verdicts) {
                 if machine.holds(&query.holds) != query.all {
                     *verdict = !query.all;
                 }
             }
-            for state in next.drain(..) {
-                if !seen.contains(&state) {
-                    seen.insert(state.clone());
-                    left.push(state);
-                }
-            }
-            if seen.len() > limit {
-                return None;
-            }
-        }
+            self.seen.iter().map(|expr| machine.value(expr)).collect()
+        })?;
         let comments = queries.iter().map(|query| query.comment.clone());
-        Some(Found { states: seen.len(), verdicts: comments.zip(verdicts).collect() })
+        Some(Found { graph, verdicts: comments.zip(verdicts).collect() })
     }
 }

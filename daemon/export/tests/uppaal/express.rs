@@ -126,7 +126,8 @@ impl<'n> Reader<'n> {
         let (mut expr, mut kind) = self.level(level + 1);
         while let Some((_, operator)) = operators.iter().find(|(sign, _)| self.takes(sign)) {
             let (right, other) = self.level(level + 1);
-            assert!(!self.changes(&expr, false) && !self.changes(&right, false), "{right:?}");
+            let changes = self.changes(&expr, true) || self.changes(&right, true);
+            assert!(!changes, "{expr:?} or {right:?} changes something");
             kind = joined(*operator, kind, other);
             expr = two(*operator, expr, right);
         }
@@ -183,14 +184,18 @@ impl<'n> Reader<'n> {
     fn part(&mut self, mut place: Place) -> (Expr, Kind) {
         loop {
             if self.takes("[") {
-                let Type::Array(inner, count) = place.of.clone() else { panic!("{place:?} is no array") };
+                let Type::Array(inner, count) = place.of.clone() else {
+                    panic!("{place:?} is no array")
+                };
                 let index = self.pure(Kind::Int);
                 self.expect("]");
                 place.indices.push((index, inner.size(), count));
                 place.of = (*inner).clone();
             } else if self.takes(".") {
                 let field = self.name();
-                let Type::Record(fields) = place.of.clone() else { panic!("{place:?} has no parts") };
+                let Type::Record(fields) = place.of.clone() else {
+                    panic!("{place:?} has no parts")
+                };
                 let at = fields.iter().position(|(name, _)| *name == field);
                 let at = at.unwrap_or_else(|| panic!("{place:?} has no {field}"));
                 place.base += fields[..at].iter().map(|(_, of)| of.size()).sum::<usize>();

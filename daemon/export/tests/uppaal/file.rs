@@ -161,7 +161,8 @@ fn process(template: Node<'_, '_>, given: &[i32], names: &mut Names) -> Process 
         reader.names.add(&name, Name::Number(*value));
     }
     reader.end();
-    let ids: Vec<&str> = children(template, "location").filter_map(|one| one.attribute("id")).collect();
+    let ids: Vec<&str> =
+        children(template, "location").filter_map(|one| one.attribute("id")).collect();
     let at = |node: Node<'_, '_>| {
         let wanted = node.attribute("ref").expect("a location");
         ids.iter().position(|id| *id == wanted).expect("a location of the template")

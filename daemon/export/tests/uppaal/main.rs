@@ -4,6 +4,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+mod changed;
 mod code;
 mod compare;
 #[path = "../../../formal/tests/conformance/components.rs"]
@@ -12,11 +13,13 @@ mod declare;
 mod explore;
 mod express;
 mod file;
+mod graph;
 mod lex;
 mod memory;
 mod names;
 #[path = "../../../formal/tests/conformance/random.rs"]
 mod random;
+mod semantics;
 #[path = "../spin/small.rs"]
 mod small;
 mod timed;

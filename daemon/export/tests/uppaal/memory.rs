@@ -62,7 +62,10 @@ impl<'m> Machine<'m> {
             self.values.clocks[at] = value;
             return;
         };
-        assert!((least..=most).contains(&value), "{value} is not from {least} to {most}: {place:?}");
+        assert!(
+            (least..=most).contains(&value),
+            "{value} is not from {least} to {most}: {place:?}"
+        );
         match place.space {
             Space::Global => self.values.numbers[at] = value,
             Space::Local => self.stack[self.frame + at] = value,

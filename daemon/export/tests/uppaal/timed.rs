@@ -18,7 +18,8 @@ fn found(text: &str, most: usize) -> Option<Found> {
     };
     let only: Vec<String> = model.clocks().iter().map(only).collect();
     // The last one is of no context.
-    let counting: Vec<_> = only[..only.len() - 1].iter().map(|text| model.expression(text)).collect();
+    let counting: Vec<_> =
+        only[..only.len() - 1].iter().map(|text| model.expression(text)).collect();
     let never = model.expression("false");
     let counting = counting.into_iter().chain([never]).enumerate();
     let explorer = Explorer::new(&model);
@@ -43,5 +44,5 @@ pub(crate) fn late(
         assert_eq!(late, task.is_late(), "{} {text}", task.name);
         (task.name.clone(), late)
     };
-    Some((found.states, report.tasks.iter().map(one).collect()))
+    Some((found.graph.steps.len(), report.tasks.iter().map(one).collect()))
 }
