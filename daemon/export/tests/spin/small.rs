@@ -53,6 +53,7 @@ pub(crate) fn timed(seed: u64) -> (System, Times) {
 }
 
 /// Two tasks that share data, with times of their codels: `sb` takes so many milliseconds at most.
+#[allow(dead_code, reason = "the benches have no use for it")]
 pub(crate) fn two_tasks(most: u64) -> (System, Times) {
     const MS: u64 = 1_000_000;
     let text = "component duo { ids { long shared; };

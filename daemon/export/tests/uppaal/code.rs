@@ -103,7 +103,8 @@ pub(crate) enum Statement {
     Do(Expr),
     If(Expr, Box<Self>, Option<Box<Self>>),
     While(Expr, Box<Self>),
-    For(Expr, Expr, Expr, Box<Self>),
+    /// What is done first, for how long, and after each time.
+    For(Box<[Expr; 3]>, Box<Self>),
     Return(Option<Expr>),
     All(Vec<Self>),
 }

@@ -49,9 +49,19 @@ fn ours(system: &System, most: usize) -> Option<Graph> {
     })
 }
 
-/// Compares states, steps and verdicts of a component, if it has not more states than that: how many
-/// states and steps both have, and how many verdicts are compared.
-pub(crate) fn compare(system: &System, most: usize) -> Option<(usize, usize, usize)> {
+/// How much was compared of a component, and is the same.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Compared {
+    pub(crate) states: usize,
+    pub(crate) steps: usize,
+    pub(crate) verdicts: usize,
+}
+
+/// Compares states, steps and verdicts of a component, if it has not more states than that.
+///
+/// # Panics
+/// If they differ.
+pub(crate) fn compare(system: &System, most: usize) -> Option<Compared> {
     let wanted = [Property::Start, Property::Stuck, Property::Reach, Property::Exclude];
     let report = system.check(&wanted, &limits(most));
     let explored = report.explored.unwrap();
@@ -63,7 +73,7 @@ pub(crate) fn compare(system: &System, most: usize) -> Option<(usize, usize, usi
     assert_eq!(shape, ours(system, most).unwrap().shape());
     assert_eq!(shape.0, explored.states);
     let mut never = Vec::new();
-    let mut compared = 0;
+    let mut verdicts = 0;
     for (property, verdict) in &report.verdicts {
         let holds = match verdict {
             Verdict::Holds => true,
@@ -76,7 +86,7 @@ pub(crate) fn compare(system: &System, most: usize) -> Option<(usize, usize, usi
         if *property != Property::Reach {
             let name = format!("{}:", property.name());
             assert_eq!(found.holds(&name), holds, "{name}");
-            compared += 1;
+            verdicts += 1;
         }
     }
     for (comment, reached) in &found.verdicts {
@@ -88,7 +98,7 @@ pub(crate) fn compare(system: &System, most: usize) -> Option<(usize, usize, usi
             }
         };
         assert_eq!(*reached, !never.contains(&ours), "{ours}");
-        compared += 1;
+        verdicts += 1;
     }
-    Some((shape.0, shape.1, compared))
+    Some(Compared { states: shape.0, steps: shape.1, verdicts })
 }

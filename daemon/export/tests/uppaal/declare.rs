@@ -216,7 +216,10 @@ impl Reader<'_> {
             self.expect(";");
             let step = self.effect();
             self.expect(")");
-            return Statement::For(first, condition, step, Box::new(self.statement(gives)));
+            return Statement::For(
+                Box::new([first, condition, step]),
+                Box::new(self.statement(gives)),
+            );
         }
         let effect = self.effect();
         self.expect(";");
@@ -248,9 +251,7 @@ impl Reader<'_> {
                 changes(condition) || does(then) || otherwise.as_deref().is_some_and(does)
             }
             Statement::While(condition, body) => changes(condition) || does(body),
-            Statement::For(first, condition, step, body) => {
-                [first, condition, step].into_iter().any(changes) || does(body)
-            }
+            Statement::For(head, body) => head.iter().any(changes) || does(body),
             Statement::Return(value) => value.as_ref().is_some_and(changes),
             Statement::All(all) => all.iter().any(does),
         }

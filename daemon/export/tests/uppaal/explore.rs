@@ -151,7 +151,8 @@ impl<'m> Explorer<'m> {
 
     /// All states, if there are not more than that.
     pub(crate) fn explore(&self, limit: usize) -> Option<Found> {
-        let at = self.model.processes.iter().map(|of| u8::try_from(of.init).expect("few locations"));
+        let at =
+            self.model.processes.iter().map(|of| u8::try_from(of.init).expect("few locations"));
         let mut first = State { at: at.collect(), values: self.model.first.clone() };
         assert!(self.may_be(&mut first), "the first state breaks an invariant");
         self.settle(&mut first);

@@ -167,7 +167,8 @@ impl<'m> Machine<'m> {
                     }
                 }
             }
-            Statement::For(first, condition, step, body) => {
+            Statement::For(head, body) => {
+                let [first, condition, step] = &**head;
                 self.value(first);
                 while self.holds(condition) {
                     if let Flow::Returned(value) = self.run(body) {

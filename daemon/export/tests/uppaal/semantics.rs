@@ -56,7 +56,10 @@ fn no_time_passes_where_a_step_is_urgent_or_a_location_is() {
     let later = label("guard", "x[0] == most");
     let ends = |first: String, edge: String| {
         let declaration = format!("{declaration} urgent broadcast chan now;");
-        found(&model(&declaration, &[&first, "<urgent/>"], &[(0, 1, &edge)], false)).graph.steps.len()
+        found(&model(&declaration, &[&first, "<urgent/>"], &[(0, 1, &edge)], false))
+            .graph
+            .steps
+            .len()
     };
     // Five units of time, then one state in which no more passes.
     assert_eq!(ends(invariant.clone(), later), 7);

@@ -1,14 +1,14 @@
 //! Which tasks are late, by a structured model and by ourselves.
 
 use genom_export::{Format, export};
-use genom_formal::{System, Times};
+use genom_formal::{System, TaskReport, Times};
 
 use super::compare::limits;
 use super::explore::{Explorer, Found};
 use super::file::Model;
 
 /// What is found of a model with clocks, if it has not more states than that.
-fn found(text: &str, most: usize) -> Option<Found> {
+pub(crate) fn found(text: &str, most: usize) -> Option<Found> {
     let mut model = Model::new(text);
     // Without this, states differ in clocks that nothing reads.
     let only = |(name, at): &(String, usize)| match name.as_str() {
@@ -26,23 +26,31 @@ fn found(text: &str, most: usize) -> Option<Found> {
     counting.fold(explorer, |all, (clock, only)| all.counting(clock, only)).explore(most)
 }
 
-/// States of the model, and its periodic tasks with whether they are late; `None` if it has more states
-/// than the first number, or more zones than the second.
+/// The model of a component with times.
+pub(crate) fn written(system: &System, times: &Times) -> String {
+    export(system, Format::Uppaal, Some(times), &limits(0)).unwrap()
+}
+
+/// The periodic tasks with whether they are late; `None` if the model has more states than that, or the
+/// component more zones.
+///
+/// # Panics
+/// If a task is late in one and not in the other.
 pub(crate) fn late(
     system: &System,
     times: &Times,
-    (states, zones): (usize, usize),
-) -> Option<(usize, Vec<(String, bool)>)> {
+    states: usize,
+    zones: usize,
+) -> Option<Vec<(String, bool)>> {
     let report = system.check_times(times, &limits(zones));
     if report.limit().is_some() || report.tasks.is_empty() {
         return None;
     }
-    let text = export(system, Format::Uppaal, Some(times), &limits(0)).unwrap();
-    let found = found(&text, states)?;
-    let one = |task: &genom_formal::TaskReport| {
+    let found = found(&written(system, times), states)?;
+    let one = |task: &TaskReport| {
         let late = !found.holds(&format!("overrun: task {} ", task.name));
-        assert_eq!(late, task.is_late(), "{} {text}", task.name);
+        assert_eq!(late, task.is_late(), "{}", task.name);
         (task.name.clone(), late)
     };
-    Some((found.graph.steps.len(), report.tasks.iter().map(one).collect()))
+    Some(report.tasks.iter().map(one).collect())
 }
