@@ -10,6 +10,8 @@ use crate::tables::{Entry, Sizes, durations, executors, listed, periodic, tables
 
 /// The rules in Promela.
 const RULES: &str = include_str!("rules.pml");
+
+/// The model; with clocks if there are times.
 pub(crate) fn promela(system: &System, times: Option<&Times>) -> Result<String, ExportError> {
     let sizes = Sizes::new(system, "promela")?;
     let mut text = head(system, times.is_some());

@@ -51,11 +51,11 @@ fn the_demo_and_the_figures_of_the_papers_have_the_same_states_steps_and_verdict
 
 #[test]
 fn random_components_have_the_same_states_steps_and_verdicts() {
-    let all = (0..).filter_map(|seed| compare(&small::random(seed), 5_000)).take(16);
+    let all = (0..).filter_map(|seed| compare(&small::random(seed), 5_000)).take(12);
     let all: Vec<compare::Compared> = all.collect();
     let sum = |of: fn(&compare::Compared) -> usize| all.iter().map(of).sum::<usize>();
     let sums = (sum(|one| one.states), sum(|one| one.steps), sum(|one| one.verdicts));
-    assert!(sums.0 > 10_000 && sums.1 > 30_000 && sums.2 > 150, "{sums:?}");
+    assert!(sums.0 > 5_000 && sums.1 > 15_000 && sums.2 > 100, "{sums:?}");
 }
 
 #[test]
