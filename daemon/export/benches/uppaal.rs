@@ -52,7 +52,11 @@ fn main() {
         all.steps += compared.steps;
         all.verdicts += compared.verdicts;
     }
-    println!("without times, {components} components: the same {all:?}");
+    let compare::Compared { states, steps, verdicts } = all;
+    println!(
+        "without times, {components} components: the same {states} states, {steps} steps and {verdicts} \
+         verdicts"
+    );
     let (mut components, mut in_time, mut late) = (0, 0, 0);
     for (system, times) in seeds.map(small::timed) {
         let Some(tasks) = timed::late(&system, &times, 200_000, 5_000) else { continue };
