@@ -40,7 +40,7 @@ pub use genom_timing::{Conflicts, Limit, Limits, Lock, Period, duration};
 pub use hints::{Hint, hints};
 pub use ltl::{Atom, Formula, FormulaError, Join, Term};
 pub use machines::Machine as StateMachine;
-pub use monitor::Fires;
+pub use monitor::{Fires, Trace};
 pub use played::{Call, Course, Event, Happening};
 pub use property::{Finding, Property, Report, Verdict};
 pub use schedule::{

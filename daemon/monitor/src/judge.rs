@@ -2,6 +2,7 @@
 //! and Rosu, Synthesizing Monitors for Safety Properties, 2002). What the event tells by itself is
 //! put in by masks; only the rest is computed ([`crate::steps`]).
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use crate::past::{Bounds, Dates, Past};
@@ -33,7 +34,7 @@ pub(crate) struct Noted {
     /// Of each part with bounds.
     pub(crate) pasts: Box<[Past]>,
     /// Of those that need more dates than one.
-    dates: Box<[Dates]>,
+    pub(crate) dates: Box<[Dates]>,
     /// How many times each service of a part runs.
     running: Box<[u32]>,
 }
@@ -77,12 +78,12 @@ impl Judge {
     }
 
     /// Where it is, apart from dates: two with the same answer to this will judge alike if the
-    /// formula has no bounds.
+    /// formula has no bounds. For each part with dates it has their number.
     #[must_use]
-    pub fn place(&self) -> (u64, Vec<bool>, Vec<u32>) {
+    pub fn place(&self) -> (u64, Vec<usize>, Vec<u32>) {
         let noted = &self.state.noted;
-        let any = noted.pasts.iter().map(|past| self.state.has_noted(past)).collect();
-        (self.state.memory, any, noted.running.to_vec())
+        let counts = noted.pasts.iter().map(|past| self.state.dates_of(past).len()).collect();
+        (self.state.memory, counts, noted.running.to_vec())
     }
 }
 
@@ -110,11 +111,13 @@ impl State {
         (bits & letter.looked_at != letter.wanted).then(|| self.blames.of(letter.number, bits))
     }
 
-    /// Whether something is noted for a part with bounds.
-    pub(crate) fn has_noted(&self, past: &Past) -> bool {
-        match past.bounds() {
-            Bounds::EVER => self.memory >> (past.part & 63) & 1 == 1,
-            _ => past.date().is_some(),
+    /// The dates that are noted for a part, the first one first; for any time, a bit says it all.
+    pub(crate) fn dates_of(&self, past: &Past) -> Cow<'_, [u64]> {
+        let list = past.list.and_then(|list| self.noted.dates.get(usize::from(list)));
+        match list {
+            Some(list) => list.all().into(),
+            None if past.bounds() == Bounds::EVER => Cow::default(),
+            None => past.date().into_iter().collect(),
         }
     }
 }

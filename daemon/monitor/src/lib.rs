@@ -19,7 +19,7 @@ mod step;
 mod steps;
 mod value;
 
-pub use ages::Noted;
+pub use ages::{Asked, Noted};
 pub use beat::{Beat, OffBeat, Pulse};
 pub use happening::{Happening, Hearers, Numbers};
 pub use judge::Judge;

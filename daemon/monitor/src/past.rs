@@ -138,6 +138,16 @@ impl Dates {
         self.count += 1;
     }
 
+    /// Those that are kept, in order.
+    pub(crate) fn all(&self) -> &[u64] {
+        &self.all[..self.count]
+    }
+
+    /// Puts other dates in their places.
+    pub(crate) fn move_to(&mut self, dates: impl Iterator<Item = u64>) {
+        self.all[..self.count].iter_mut().zip(dates).for_each(|(date, other)| *date = other);
+    }
+
     /// As [`Past::is_within`].
     pub(crate) fn are_within(&self, now: u64) -> bool {
         let mut ago = self.all[..self.count].iter().map(|date| now.saturating_sub(*date));

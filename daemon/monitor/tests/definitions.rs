@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use genom_description::model::{CodelIx, Ix as _, ServiceIx};
-use genom_monitor::{Bounds, Happening, Judge, Noted, Part, Program};
+use genom_monitor::{Bounds, Happening, Judge, Part, Program};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -133,21 +133,24 @@ fn blamed(parts: &[Part], held: &[bool]) -> Option<usize> {
 /// A judge that is told how long ago each date was, and the dates that it was told of.
 struct Aged {
     judge: Judge,
-    dates: Vec<u64>,
+    dates: Vec<Vec<u64>>,
 }
 
 impl Aged {
-    fn new(program: &Program) -> Option<Self> {
+    fn new(program: &Program) -> Self {
         let judge = Judge::new(program);
-        let dates = vec![0; judge.noted()?.len()];
-        Some(Self { judge, dates })
+        let dates = vec![Vec::new(); judge.noted().len()];
+        Self { judge, dates }
     }
 
     fn hear(&mut self, letter: usize, now: u64) -> Option<usize> {
-        let ages: Vec<u64> = self.dates.iter().map(|date| now - date).collect();
+        let ages = |dates: &Vec<u64>| dates.iter().map(|date| now - date).collect();
+        let ages: Vec<Vec<u64>> = self.dates.iter().map(ages).collect();
         let (wrong, noted) = self.judge.hear_after(letter, &ages);
-        let dates = self.dates.iter_mut().zip(noted);
-        dates.filter(|(_, noted)| *noted == Noted::Now).for_each(|(date, _)| *date = now);
+        for (dates, noted) in self.dates.iter_mut().zip(noted) {
+            *dates = dates[noted.before].to_vec();
+            dates.extend(noted.now.then_some(now));
+        }
         wrong
     }
 }
@@ -167,10 +170,8 @@ fn compare(seeds: &[Seed], events: &[(usize, u64)]) -> Result<(), TestCaseError>
         if let Some(letter) = heard.iter().position(|one| *one == what) {
             past.push((what, date));
             told.push(judge.hear(letter, date));
-            if let Some(aged) = &mut aged {
-                prop_assert_eq!(aged.hear(letter, date), *told.last().unwrap());
-                prop_assert_eq!(aged.judge.place(), judge.place());
-            }
+            prop_assert_eq!(aged.hear(letter, date), *told.last().unwrap());
+            prop_assert_eq!(aged.judge.place(), judge.place());
         }
     }
     let meant: Vec<_> = values(&parts, &past).iter().map(|held| blamed(&parts, held)).collect();

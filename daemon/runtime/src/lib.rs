@@ -69,8 +69,8 @@ pub use options::{ACTIVITY_LIMIT, Execution, GiveUp, Options, STUCK_AFTER, TaskO
 pub use plan::{Plan, PlanError};
 pub use rest::{NoRest, Rest};
 pub use rules::{
-    Beats, Bounds, Happening, Judge, MOST_PARTS, MOST_RULES, MOST_STEPS, NoOrder, NoProgram, Noted,
-    Order, Part, Program, Rule, Supervised, Violation,
+    Asked, Beats, Bounds, Happening, Judge, MOST_PARTS, MOST_RULES, MOST_STEPS, NoOrder, NoProgram,
+    Noted, Order, Part, Program, Rule, Supervised, Violation,
 };
 pub use running::{HeldUp, RunningCodel, seconds};
 pub use shutdown::ShutdownError;

@@ -17,6 +17,7 @@ pub mod memory;
 mod random;
 mod table;
 mod ticks;
+mod trail;
 mod zone;
 
 pub use below::below;
@@ -31,4 +32,5 @@ pub use lock::{Conflicts, Lock};
 pub use random::{Random, lengths};
 pub use table::Table;
 pub use ticks::{Period, common, cycles, gcd};
+pub use trail::{Age, Trail, along};
 pub use zone::{Guards, Zone};

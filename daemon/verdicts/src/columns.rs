@@ -10,8 +10,16 @@ use genom_formal::{Dated, TaskReport, duration};
 const MOST: usize = 24;
 
 /// The run in which a task is late. `place` says where something is declared.
-pub(crate) fn columns(task: &TaskReport, place: impl Fn(Option<Span>) -> String) -> String {
-    let shown = folded(task);
+pub(crate) fn late(task: &TaskReport, place: impl Fn(Option<Span>) -> String) -> String {
+    columns(&folded(task), place)
+}
+
+/// A run. `place` says where something is declared.
+pub(crate) fn run(run: &[Dated], place: impl Fn(Option<Span>) -> String) -> String {
+    columns(&run.iter().map(Shown::Step).collect::<Vec<_>>(), place)
+}
+
+fn columns(shown: &[Shown<'_>], place: impl Fn(Option<Span>) -> String) -> String {
     let left_out = shown.len().saturating_sub(MOST);
     let shown = &shown[left_out..];
     let mut starts: Vec<(&str, usize)> = Vec::new();

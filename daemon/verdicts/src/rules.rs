@@ -3,12 +3,14 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use genom_formal::{Bounds, Fires, Limits, Line, System, Times};
+use genom_description::model::Span;
+use genom_formal::{Bounds, Fires, Limits, Line, System, Times, Trace};
 use genom_protocol::Deployment;
 use genom_runtime::Supervised;
 use serde_json::{Value, json};
 use toml::de::{DeTable, DeValue};
 
+use crate::columns;
 use crate::data::line;
 use crate::subject::Subject;
 use crate::told::Told;
@@ -185,12 +187,12 @@ fn line_of_rule(text: &str, component: usize, rule: usize) -> Option<usize> {
     Some(line_of(text, at))
 }
 
-fn verdict(fires: &Fires) -> (&'static str, Option<&str>, &[Line]) {
+fn verdict(fires: &Fires) -> (&'static str, Option<&str>, Option<&Trace>) {
     match fires {
-        Fires::Never => ("cannot fire", None, &[]),
-        Fires::Can { what, run } => ("can fire", Some(what), run),
-        Fires::Always { what, run } => ("always fires", Some(what), run),
-        Fires::Undecided(why) => ("not decided", Some(why), &[]),
+        Fires::Never => ("cannot fire", None, None),
+        Fires::Can { what, run } => ("can fire", Some(what), Some(run)),
+        Fires::Always { what, run } => ("always fires", Some(what), Some(run)),
+        Fires::Undecided(why) => ("not decided", Some(why), None),
     }
 }
 
@@ -209,12 +211,20 @@ pub fn text(judged: &[Judged], subject: &Subject) -> String {
         let what = what.map_or_else(String::new, |what| format!(": {what}"));
         let (instance, number, rule) = (&one.instance, one.number, &one.text);
         text.push_str(&format!("rule     {instance} {number} ({rule}) {verdict}{what}\n"));
-        for Line { who, what, span } in run {
-            let place = span.map_or_else(String::new, |span| {
+        let place = |span: Option<Span>| {
+            span.map_or_else(String::new, |span| {
                 let location = subject.texts.location(span);
                 format!(" ({}:{})", location.path.display(), location.line)
-            });
-            text.push_str(&format!("    {who}: {what}{place}\n"));
+            })
+        };
+        match run {
+            None => {}
+            Some(Trace::Steps(lines)) => {
+                for Line { who, what, span } in lines {
+                    text.push_str(&format!("    {who}: {what}{}\n", place(*span)));
+                }
+            }
+            Some(Trace::Dated(lines)) => text.push_str(&columns::run(lines, place)),
         }
     }
     text
@@ -226,7 +236,16 @@ pub fn data(judged: &[Judged], subject: &Subject) -> Value {
     let all: Vec<Value> = of(judged, subject)
         .map(|one| {
             let (verdict, what, run) = verdict(&one.fires);
-            let run: Vec<Value> = run.iter().map(|one| line(one, &subject.texts)).collect();
+            let lines = run.into_iter().flat_map(Trace::lines);
+            let run: Vec<Value> = lines
+                .map(|(date, one)| {
+                    let mut value = line(one, &subject.texts);
+                    if let Some(date) = date {
+                        value["date_ns"] = json!(date);
+                    }
+                    value
+                })
+                .collect();
             json!({
                 "instance": one.instance, "rule": one.text, "number": one.number,
                 "verdict": verdict.replace(' ', "_"), "what": what, "run": run,
@@ -234,4 +253,53 @@ pub fn data(judged: &[Judged], subject: &Subject) -> Value {
         })
         .collect();
     json!(all)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use std::rc::Rc;
+    use std::sync::Arc;
+
+    use genom_description::{Options, read_text};
+    use genom_formal::Dated;
+    use genom_runtime::Plan;
+
+    use super::*;
+
+    #[test]
+    fn a_run_with_dates_has_a_column_for_them_and_they_are_numbers_in_json() {
+        let text = "component one { task t { period 5 ms; }; };";
+        let analysis = read_text("one.gen", text, &Options::default());
+        let plan = Arc::new(Plan::new(&Arc::new(analysis.specification), 0).unwrap());
+        let subject = Subject {
+            plan,
+            texts: Rc::new(analysis.sources),
+            files: Vec::new(),
+            include: Vec::new(),
+            defines: Vec::new(),
+            running: None,
+            measured: None,
+        };
+        let line = |who: &str, what: &str| Line { who: who.into(), what: what.into(), span: None };
+        let dated = |date, who, what| Dated { date, line: line(who, what) };
+        let judged = |run| Judged {
+            component: "one".into(),
+            instance: "one".into(),
+            number: 1,
+            text: "slow".into(),
+            fires: Fires::Can { what: "it is".into(), run },
+        };
+        let run = vec![dated(5_000_000, "t", "tick"), dated(7_000_001, "rule", "is broken")];
+        let all =
+            [judged(Trace::Dated(run)), judged(Trace::Steps(vec![line("client", "requests x")]))];
+        assert_eq!(
+            super::text(&all, &subject),
+            "rule     one 1 (slow) can fire: it is\n                t       rule\n      5.000 ms  tick\n      \
+             7.000 ms          is broken\nrule     one 1 (slow) can fire: it is\n    client: requests x\n"
+        );
+        let told = data(&all, &subject);
+        assert_eq!(told[0]["run"][1]["date_ns"], 7_000_001);
+        assert_eq!(told[1]["run"][0].get("date_ns"), None);
+    }
 }

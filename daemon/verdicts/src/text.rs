@@ -7,7 +7,7 @@ use genom_description::source::SourceMap;
 
 use genom_formal::{Bounds, Finding, Longest, Response, Spent, TaskReport, Verdict, duration};
 
-use crate::columns::columns;
+use crate::columns;
 use crate::found::{Found, Ticks};
 
 /// What was found, for people; with places in the description.
@@ -90,7 +90,7 @@ fn task(text: &mut String, task: &TaskReport, limit: Option<&str>, sources: &Sou
         (true, Some(limit)) => line(text, "overrun", &format!("{name} not decided: {limit}")),
         (false, _) => {
             line(text, "overrun", &format!("{name} VIOLATED"));
-            text.push_str(&columns(task, |span| place(span, sources)));
+            text.push_str(&columns::late(task, |span| place(span, sources)));
             cycle(text, task);
         }
     }

@@ -2,7 +2,7 @@
 
 use genom_description::model::{CodelIx, PortIx, ServiceIx};
 use genom_runtime::{Beats, Happening};
-use genom_timing::{Limits, duration};
+use genom_timing::{Age, Limits, duration};
 
 use super::clocked::{Led, Step, Watch};
 use super::fires::Fires;
@@ -90,6 +90,7 @@ impl Heart<'_> {
     ) -> Led {
         let mut led = Led::on(step.state.clone(), 0);
         let (mut since, mut running) = place(step.along);
+        let over = Some(Age::Least(self.longest()));
         // Whether the clock counts from this very step.
         let mut now = false;
         for what in happens {
@@ -104,7 +105,7 @@ impl Heart<'_> {
                 Happening::End(service) if is(self.during, service) => {
                     if running == 1 && since != Since::Nothing {
                         if !now && step.beyond(self.longest) {
-                            led.broken.get_or_insert_with(|| self.late(system));
+                            led.broken.get_or_insert_with(|| (self.late(system), over));
                         }
                         since = Since::Nothing;
                     }
@@ -132,10 +133,12 @@ impl Heart<'_> {
         let before = self.least.saturating_sub(1);
         let soon = since == Since::Beat && self.least > 0 && (now || step.within(before));
         if soon {
-            led.broken.get_or_insert_with(|| self.soon(system));
+            let age = (!now).then_some(Age::Most(before));
+            led.broken.get_or_insert_with(|| (self.soon(system), age));
         }
         if late {
-            led.broken.get_or_insert_with(|| self.late(system));
+            let age = Some(Age::Least(self.longest()));
+            led.broken.get_or_insert_with(|| (self.late(system), age));
         }
         if since == Since::Beat {
             self.paired = true;

@@ -8,11 +8,6 @@ use genom_runtime::{Bounds, Part, Program};
 
 use super::fires::Fires;
 
-/// Why a formula with bounds is not decided.
-pub(super) const BETWEEN: &str =
-    "of bounds of which neither is 0 or inf, more than one date counts, which is not explored";
-pub(super) const MANY: &str = "it has too many bounds for an exploration of dates";
-
 const ANY: Bounds = Bounds { least: 0, most: u64::MAX };
 
 /// How a formula without its bounds compares with the one that has them.

@@ -4,11 +4,12 @@
 use std::time::Instant;
 
 use super::fires::{Fires, concluded, undecided};
+use super::run::{Broken, Traced};
 use crate::action::Action;
 use crate::state::{Phase, State};
 use crate::system::System;
-use crate::timed::{Clock, Table, Times, bound, clocks, guarded, initial, stepped};
-use genom_timing::{Limit, Limits, Zone};
+use crate::timed::{Clock, Times, bound, clocks, guarded, initial, stepped};
+use genom_timing::{Age, Limit, Limits, Trail, Zone};
 
 /// What a rule waits for, going along with the system.
 pub(super) trait Watch {
@@ -78,8 +79,8 @@ pub(super) struct Led {
     pub(super) anew: bool,
     /// Something that the rule is about did not break it.
     pub(super) kept: bool,
-    /// What broke it.
-    pub(super) broken: Option<String>,
+    /// What broke it, and what the clock had counted then.
+    pub(super) broken: Option<(String, Option<Age>)>,
 }
 
 impl Led {
@@ -102,23 +103,29 @@ impl System {
             Err(why) => return undecided(why),
         };
         let begin = Instant::now();
-        let mut table = Table::default();
+        let mut traced = Traced::default();
         let first = self.initial(false);
         let Some(zone) = initial(self, times, &first) else { return Fires::Never };
-        table.add_with(&first, Some(watch.first(self, &first)), zone, (0, 0));
+        let along = watch.first(self, &first);
+        // The clock of the rule counts from a date.
+        let since = |counts: bool, date: Option<usize>| Trail {
+            dates: if counts { vec![date] } else { Vec::new() },
+            ages: Vec::new(),
+        };
+        traced.add((&first, along), zone, (0, 0), since(watch.counts(&first, along), None));
         // The first violation, by a step or while time passes, and whether anything did not break it.
-        let (mut broken, mut kept) = (None, false);
+        let (mut broken, mut kept) = (None::<Broken>, false);
         let (mut at, mut limit) = (0u32, None::<Limit>);
         let own = Clock::Noted(0, watch.longest());
-        while (at as usize) < table.len() {
+        while (at as usize) < traced.table.len() {
             let number = at;
             at += 1;
-            let Some((state, zone)) = table.get(number) else { continue };
+            let Some((state, zone)) = traced.table.get(number) else { continue };
             if state.phase == Phase::Stopped || watch.is_over(&state) {
                 continue;
             }
             let zone = zone.clone();
-            let along = table.along(number).unwrap_or_default();
+            let along = traced.table.along(number).unwrap_or_default();
             let mut before = clocks(self, times, &state);
             let others = before.len();
             let clock = watch.counts(&state, along).then(|| {
@@ -128,7 +135,8 @@ impl System {
             if let Some(clock) = clock {
                 let time = zone.most(clock).map(|time| u64::try_from(time).unwrap_or(0));
                 if let Some(what) = watch.waits(self, &state, time) {
-                    broken.get_or_insert((number, None, what));
+                    let ages = vec![(0, Age::Least(watch.longest()))];
+                    Broken::note(&mut broken, (number, None), (what, ages));
                 }
             }
             for (action, step) in self.timed(&state).into_iter().zip(0u16..) {
@@ -140,13 +148,13 @@ impl System {
                 };
                 for led in all {
                     kept |= led.kept;
-                    if let Some(what) = led.broken {
-                        broken.get_or_insert((number, Some(action), what));
+                    if let Some((what, age)) = led.broken {
+                        let ages = age.map(|age| (0, age)).into_iter().collect();
+                        Broken::note(&mut broken, (number, Some(action)), (what, ages));
                     }
                     let mut after = clocks(self, times, &led.next);
-                    if watch.counts(&led.next, led.along) {
-                        after.push(own);
-                    }
+                    let counts = watch.counts(&led.next, led.along);
+                    after.extend(counts.then_some(own));
                     // A clock that was not there is at zero.
                     let all: Vec<Option<usize>> = (1..=others).map(Some).collect();
                     let anew = (led.anew && clock.is_some()).then(|| zone.select(&all));
@@ -155,27 +163,22 @@ impl System {
                         None => (&before[..], &*zone),
                     };
                     if let Some(zone) = stepped(self, times, from, action, (&led.next, &after)) {
-                        table.add_with(&led.next, Some(led.along), zone, (number, step));
+                        let from = clock.filter(|_| !led.anew).map(|_| 0);
+                        let node = (&led.next, led.along);
+                        traced.add(node, zone, (number, step), since(counts, from));
                     }
                 }
             }
             if broken.is_some() && kept {
                 break;
             }
-            let bytes = table.bytes() + watch.bytes();
-            limit = limits.passed(table.len(), bytes, at as usize, begin);
+            let bytes = traced.bytes() + watch.bytes();
+            limit = limits.passed(traced.table.len(), bytes, at as usize, begin);
             if limit.is_some() {
                 break;
             }
         }
-        let broken = broken.map(|(node, action, what)| {
-            let run = match action {
-                Some(action) => table.run_to(self, (node, action)),
-                None => table.way_to(self, node),
-            };
-            let run = run.iter().filter_map(|(state, action)| self.words(state, *action));
-            (what, run.collect())
-        });
+        let broken = broken.map(|broken| traced.run(self, times, broken));
         concluded(broken, kept, limit)
     }
 }

@@ -5,19 +5,19 @@ use std::time::Instant;
 use genom_runtime::{Happening, Judge, Program};
 use indexmap::IndexSet;
 
-use super::bounded;
 use super::fires::{Fires, concluded, undecided};
-use super::moment::{Moment, most_clocks};
+use super::moment::Moment;
+use super::run::{Broken, Traced};
 use super::search::MOST_PORTS;
 use crate::action::{Action, Told};
 use crate::state::State;
 use crate::system::System;
-use crate::timed::{Table, Times, clocks, guarded, initial, stepped};
+use crate::timed::{Times, clocks, guarded, initial, stepped};
 use genom_timing::memory::{ENTRY, listed};
-use genom_timing::{Limit, Limits};
+use genom_timing::{Age, Limit, Limits, Trail};
 
 /// Limit on the dates that a formula has noted at the same time.
-const MOST_CLOCKS: u16 = 8;
+const MOST_CLOCKS: usize = 12;
 /// Bytes of a judge, beside its key.
 const JUDGE: usize = ENTRY + listed::<Judge>() + 1024;
 
@@ -25,7 +25,7 @@ const JUDGE: usize = ENTRY + listed::<Judge>() + 1024;
 #[derive(Default)]
 struct Judges {
     all: Vec<Judge>,
-    known: IndexSet<(u64, Vec<bool>, Vec<u32>)>,
+    known: IndexSet<(u64, Vec<usize>, Vec<u32>)>,
     bytes: usize,
 }
 
@@ -49,8 +49,8 @@ struct Walked {
     moment: Moment,
     /// Something was heard that did not break it.
     kept: bool,
-    /// What broke it.
-    broken: Option<String>,
+    /// What broke it, and how long ago the dates of before the step were then.
+    broken: Option<(String, Vec<(usize, Age)>)>,
 }
 
 impl System {
@@ -61,30 +61,24 @@ impl System {
             let what = what.tell(self.plan.component());
             return Fires::Undecided(format!("it is not explored when \"{what}\""));
         }
-        let judge = Judge::new(program);
-        match most_clocks(&judge) {
-            None => return undecided(bounded::BETWEEN),
-            Some(clocks) if clocks > MOST_CLOCKS => return undecided(bounded::MANY),
-            Some(_) => {}
-        }
-        let begin = Instant::now();
-        let (mut table, mut judges) = (Table::default(), Judges::default());
+        let (judge, begin) = (Judge::new(program), Instant::now());
+        let (mut traced, mut judges) = (Traced::default(), Judges::default());
         let first = self.initial(false);
         let Some(zone) = initial(self, times, &first) else { return Fires::Never };
-        table.add_with(&first, Some(judges.number(&judge)), zone, (0, 0));
+        traced.add((&first, judges.number(&judge)), zone, (0, 0), Trail::default());
         // The first violation, and whether anything that it hears did not break it.
-        let (mut broken, mut kept) = (None, false);
+        let (mut broken, mut kept) = (None::<Broken>, false);
         let (mut at, mut told) = (0u32, Vec::new());
-        let mut limit: Option<Limit> = None;
-        while (at as usize) < table.len() {
+        // What ends the search early, and whether it left out where too many dates are noted.
+        let (mut limit, mut crowded) = (None::<Limit>, false);
+        while (at as usize) < traced.table.len() {
             let number = at;
             at += 1;
-            let Some((state, zone)) = table.get(number) else { continue };
+            let Some((state, zone)) = traced.table.get(number) else { continue };
             let zone = zone.clone();
-            let along = table.along(number).unwrap_or_default();
+            let along = traced.table.along(number).unwrap_or_default();
             let Some(judge) = judges.all.get(along as usize).cloned() else { continue };
-            let mut moment = Moment { judge, clocks: clocks(self, times, &state), zone };
-            moment.add_noted();
+            let moment = Moment::at(judge, clocks(self, times, &state), zone);
             for (action, step) in self.timed(&state).into_iter().zip(0u16..) {
                 let from = (&state, &moment.clocks[..]);
                 let Some(zone) = guarded(self, times, from, &moment.zone, action) else { continue };
@@ -97,33 +91,44 @@ impl System {
                 };
                 for walked in all {
                     kept |= walked.kept;
-                    if let Some(what) = walked.broken {
-                        broken.get_or_insert((number, action, what));
+                    if let Some(way) = walked.broken {
+                        Broken::note(&mut broken, (number, Some(action)), way);
                     }
-                    let own = &walked.moment;
+                    let own = walked.moment;
+                    if own.noted().len() > MOST_CLOCKS {
+                        crowded = true;
+                        continue;
+                    }
                     let mut after = clocks(self, times, &next);
                     after.extend(own.noted());
                     let from = (&own.clocks[..], &own.zone);
                     if let Some(zone) = stepped(self, times, from, action, (&next, &after)) {
                         let along = judges.number(&own.judge);
-                        table.add_with(&next, Some(along), zone, (number, step));
+                        traced.add((&next, along), zone, (number, step), own.trail);
                     }
                 }
             }
             if broken.is_some() && kept {
                 break;
             }
-            limit = limits.passed(table.len(), table.bytes() + judges.bytes, at as usize, begin);
+            limit = limits.passed(
+                traced.table.len(),
+                traced.bytes() + judges.bytes,
+                at as usize,
+                begin,
+            );
             if limit.is_some() {
                 break;
             }
         }
-        let broken = broken.map(|(node, action, what)| {
-            let run = table.run_to(self, (node, action));
-            let run = run.iter().filter_map(|(state, action)| self.words(state, *action));
-            (what, run.collect())
-        });
-        concluded(broken, kept, limit)
+        let broken = broken.map(|broken| traced.run(self, times, broken));
+        match concluded(broken, kept || crowded, limit) {
+            Fires::Never if crowded => Fires::Undecided(format!(
+                "more than {MOST_CLOCKS} dates count at a time, which is not explored: move the \
+                 bounds away from each other, or make one of them 0 or inf"
+            )),
+            found => found,
+        }
     }
 
     /// What a formula hears in a step.
@@ -150,10 +155,12 @@ impl System {
         for (what, letter, open) in happens {
             let mut next = Vec::new();
             for walked in all {
-                for (moment, wrong) in walked.moment.hear(*letter)? {
+                for (moment, wrong) in walked.moment.hear(*letter) {
                     let mut broken = walked.broken.clone();
                     if wrong {
-                        broken.get_or_insert_with(|| what.tell(self.plan.component()));
+                        broken.get_or_insert_with(|| {
+                            (what.tell(self.plan.component()), moment.trail.ages.clone())
+                        });
                     }
                     next.push(Walked { moment, kept: walked.kept || !wrong, broken });
                 }

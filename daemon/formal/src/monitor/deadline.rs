@@ -7,7 +7,7 @@ use genom_runtime::{Happening, Part, Program, STUCK_AFTER, nanos, patience};
 use genom_timing::{Limits, duration};
 
 use super::cycles::Cycles;
-use super::fires::{Fires, undecided};
+use super::fires::{Fires, Trace, undecided};
 use super::search::Watched;
 use super::ticks::Ticks;
 use crate::system::System;
@@ -108,8 +108,9 @@ impl System {
                     duration(most),
                     duration(limit)
                 );
+                // The dates are not those of a cycle that takes so long.
                 let run = report.slowest.iter().map(|dated| dated.line.clone()).collect();
-                Fires::Can { what, run }
+                Fires::Can { what, run: Trace::Steps(run) }
             }
             Some(most) if most <= limit && all_seen => Fires::Never,
             _ => Fires::Undecided(why),
@@ -145,8 +146,7 @@ impl System {
                     match (report.is_late(), ticks) {
                         (true, 1) => {
                             let what = format!("{} is still at work at its tick", report.name);
-                            let run = report.overrun.iter().map(|dated| dated.line.clone());
-                            Fires::Can { what, run: run.collect() }
+                            Fires::Can { what, run: Trace::Dated(report.overrun.clone()) }
                         }
                         _ if never => Fires::Never,
                         _ => Fires::Undecided(why),

@@ -13,6 +13,7 @@ mod deadline;
 mod fires;
 mod heard;
 mod moment;
+mod run;
 mod search;
 mod step;
 mod ticks;
@@ -22,8 +23,8 @@ use std::time::Instant;
 
 use genom_runtime::{Happening, Part, Program, Rule, nanos};
 
-pub use self::fires::Fires;
 use self::fires::undecided;
+pub use self::fires::{Fires, Trace};
 use crate::system::System;
 use crate::timed::Times;
 use genom_timing::Limits;

@@ -5,7 +5,7 @@ use std::time::Instant;
 use genom_runtime::{Happening, Judge, Order, Program};
 use indexmap::IndexSet;
 
-use super::fires::{Fires, concluded, undecided};
+use super::fires::{Fires, Trace, concluded, undecided};
 use crate::action::Action;
 use crate::pack::{packed, unpacked};
 use crate::state::State;
@@ -121,9 +121,9 @@ fn key(place: &Place) -> Vec<u8> {
     match place {
         Place::Order(state) => vec![*state],
         Place::Formula(judge) => {
-            let (before, any, running) = judge.place();
+            // It has no dates.
+            let (before, _, running) = judge.place();
             let mut key = before.to_le_bytes().to_vec();
-            key.extend(any.iter().map(|any| u8::from(*any)));
             running.iter().for_each(|running| key.extend(running.to_le_bytes()));
             key
         }
@@ -178,7 +178,8 @@ impl System {
                 break;
             }
         }
-        let broken = broken.map(|(node, action, what)| (what, self.lines_to(&nodes, node, action)));
+        let broken = broken
+            .map(|(node, action, what)| (what, Trace::Steps(self.lines_to(&nodes, node, action))));
         concluded(broken, kept, limit)
     }
 

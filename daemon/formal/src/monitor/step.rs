@@ -2,7 +2,7 @@
 
 use genom_description::model::{Ix as _, Owner, StateIx};
 
-use super::fires::Fires;
+use super::fires::{Fires, Trace};
 use crate::action::Action;
 use crate::codels::small;
 use crate::explore::Explored;
@@ -42,6 +42,6 @@ impl System {
         run.push((state, action));
         let lines = run.iter().filter_map(|(state, action)| self.words(state, *action));
         let what = format!("it goes from {} to {}", self.state_name(from), self.state_name(to));
-        Fires::Can { what, run: lines.collect() }
+        Fires::Can { what, run: Trace::Steps(lines.collect()) }
     }
 }

@@ -103,7 +103,7 @@ impl Watch for Ticks {
             let at = step.state.tasks[usize::from(self.task)].at;
             // Also in the start-up, from its first pass on.
             let missed = !matches!(at, At::Absent | At::Sleep);
-            led.broken = self.tick(&mut recent, missed).then(|| self.what(system));
+            led.broken = self.tick(&mut recent, missed).then(|| (self.what(system), None));
             // Some tick is always served, if only at the date at which a cycle ends.
             led.kept = true;
         }

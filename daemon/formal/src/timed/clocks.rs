@@ -18,8 +18,8 @@ pub(crate) enum Clock {
     Since(u16),
     /// Time since an activity is followed, of interest up to this many nanoseconds.
     Followed(u64),
-    /// Time since the date that is noted for a part of a formula, by its number among those that have
-    /// one; compared with no more nanoseconds than this.
+    /// Time since a date that is noted for a formula, by its number among those that are; compared
+    /// with no more nanoseconds than this.
     Noted(u16, u64),
 }
 

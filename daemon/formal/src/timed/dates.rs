@@ -9,22 +9,40 @@ use genom_timing::{AtLeast, earliest};
 
 /// The dates of the steps of a run, in nanoseconds from the start of the component.
 pub(crate) fn dates(system: &System, times: &Times, run: &[(State, Action)]) -> Vec<u64> {
-    let dates = earliest(run.len() + 1, &rules(system, times, run));
+    dates_of(system, times, run, None, Vec::new())
+}
+
+/// The same, with more rules about the numbers of steps plus one; with a state in which time passes
+/// after the last step, also the date up to which it does.
+pub(crate) fn dates_of(
+    system: &System,
+    times: &Times,
+    run: &[(State, Action)],
+    waits: Option<&State>,
+    mut more: Vec<AtLeast>,
+) -> Vec<u64> {
+    let steps = run.iter().map(|(state, action)| (state, Some(*action)));
+    more.extend(rules(system, times, steps.chain(waits.map(|state| (state, None)))));
+    let dates = earliest(run.len() + 1 + usize::from(waits.is_some()), &more);
     dates.into_iter().skip(1).map(|date| u64::try_from(date).unwrap_or(0)).collect()
 }
 
 /// Rules about the numbers of steps plus one; 0 is the start of the component.
-fn rules(system: &System, times: &Times, run: &[(State, Action)]) -> Vec<AtLeast> {
+fn rules<'s>(
+    system: &System,
+    times: &Times,
+    run: impl Iterator<Item = (&'s State, Option<Action>)>,
+) -> Vec<AtLeast> {
     let mut rules = Vec::new();
     let mut push = |later, earlier, by| rules.push(AtLeast { later, earlier, by });
     // When each context began what it executes, and the next tick of each task.
     let mut began: Vec<(u16, usize)> = Vec::new();
-    let mut next: Vec<Option<u64>> = system
-        .periods
-        .iter()
-        .map(|period| period.map(|p| if p.delay > 0 { p.delay } else { p.period }))
-        .collect();
-    for (at, (state, action)) in run.iter().enumerate() {
+    let ticks = system.periods.iter().zip(0..).map(|(period, task)| {
+        let period = period.filter(|_| system.ticks_of(task));
+        period.map(|p| if p.delay > 0 { p.delay } else { p.period })
+    });
+    let mut next: Vec<Option<u64>> = ticks.collect();
+    for (at, (state, action)) in run.enumerate() {
         let (before, date) = (at, at + 1);
         push(date, before, 0);
         if is_urgent(system, state) {
@@ -45,14 +63,14 @@ fn rules(system: &System, times: &Times, run: &[(State, Action)]) -> Vec<AtLeast
             if let Some(most) = duration.most {
                 push(*since, date, -ns(most));
             }
-            if matches!(action, Action::Return(returned, _) if returned == context) {
+            if matches!(action, Some(Action::Return(returned, _)) if returned == *context) {
                 push(date, *since, ns(duration.least));
             }
         }
         match action {
-            Action::Return(returned, _) => began.retain(|(context, _)| context != returned),
-            Action::Tick(task) => {
-                let task = usize::from(*task);
+            Some(Action::Return(returned, _)) => began.retain(|(context, _)| *context != returned),
+            Some(Action::Tick(task)) => {
+                let task = usize::from(task);
                 if let (Some(tick), Some(period)) = (&mut next[task], system.periods[task]) {
                     push(date, 0, ns(*tick));
                     *tick += period.period;

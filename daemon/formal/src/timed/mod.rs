@@ -29,7 +29,7 @@ mod walks_tests;
 pub(crate) use clocks::{
     Clock, begins, bound, clocks, greatest, guarded, initial, is_urgent, stepped,
 };
-pub(crate) use dates::dates;
+pub(crate) use dates::{dates, dates_of};
 pub use explore::{Overrun, Timed};
 pub(crate) use follow::{Follow, Over, accepts, after_into, forget, number, over, running};
 pub(crate) use potential::Potential;

@@ -137,7 +137,7 @@ impl System {
     }
 
     /// What happens in a run, of which each step has a date.
-    fn dated(&self, run: &[(State, Action)], dates: &[u64]) -> Vec<Dated> {
+    pub(crate) fn dated(&self, run: &[(State, Action)], dates: &[u64]) -> Vec<Dated> {
         let mut told = Vec::new();
         let mut lines = Vec::new();
         for ((state, action), date) in run.iter().zip(dates.iter().copied()) {

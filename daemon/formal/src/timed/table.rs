@@ -75,22 +75,27 @@ impl Table {
         steps
     }
 
-    fn state(&self, node: u32) -> Option<State> {
+    /// The state of a node.
+    pub(crate) fn state(&self, node: u32) -> Option<State> {
         self.known.state(node).map(unpacked)
     }
 
     /// A run to a node: each state before it, and the step that leaves that.
     pub(crate) fn way_to(&self, system: &System, node: u32) -> Vec<(State, Action)> {
-        let (mut steps, mut at) = (Vec::new(), node);
-        while at > 0 {
-            let Some((before, step)) = self.known.before(at) else { break };
-            let Some(from) = self.state(before) else { break };
-            if let Some(action) = system.timed(&from).get(usize::from(step)) {
-                steps.push((from, *action));
-            }
-            at = before;
-        }
-        steps.reverse();
-        steps
+        let step = |node: &u32| {
+            let (before, step) = self.known.before(*node)?;
+            let from = self.state(before)?;
+            let action = *system.timed(&from).get(usize::from(step))?;
+            Some((from, action))
+        };
+        self.nodes_to(node).iter().skip(1).filter_map(step).collect()
+    }
+
+    /// The nodes of a run to a node, from the first one on.
+    pub(crate) fn nodes_to(&self, node: u32) -> Vec<u32> {
+        let before = |at: &u32| self.known.before(*at).filter(|_| *at > 0).map(|(at, _)| at);
+        let mut nodes: Vec<u32> = std::iter::successors(Some(node), before).collect();
+        nodes.reverse();
+        nodes
     }
 }

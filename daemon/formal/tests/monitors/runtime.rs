@@ -9,7 +9,9 @@ use std::time::Duration;
 
 use genom_description::model::{CodelIx, CodelKind, Ix as _, Owner, ServiceKind};
 use genom_formal::{Bounds, Duration as Takes, Fires, Limits, System, Times};
-use genom_runtime::{Beats, Change, Clock, Options, Plan, Rule, Supervised, Watcher};
+use genom_runtime::{
+    Beats, Change, Clock, Happening, Options, Part, Plan, Program, Rule, Supervised, Watcher,
+};
 
 use super::play::play_with;
 use super::random::Random;
@@ -89,7 +91,7 @@ pub(super) fn small(random: &mut Random) -> String {
 }
 
 /// Rules with random limits, near to the periods of random components.
-fn rules(plan: &Plan, random: &mut Random) -> Vec<Rule> {
+pub(super) fn rules(plan: &Plan, random: &mut Random) -> Vec<Rule> {
     let model = plan.component();
     let mut ms = |below: usize| Duration::from_millis(random.below(below).try_into().unwrap());
     let mut all = Vec::new();
@@ -110,8 +112,31 @@ fn rules(plan: &Plan, random: &mut Random) -> Vec<Rule> {
         let longest = least + Duration::from_millis(1) + ms(12);
         all.push(Rule::Beat { of: Beats::Codels(vec![ix]), least, longest, during });
     }
+    let calls: Vec<Happening> = model
+        .codels
+        .pairs()
+        .filter(|(_, codel)| matches!(codel.kind, CodelKind::Fsm { .. }))
+        .map(|(ix, _)| Happening::Call(ix))
+        .collect();
+    all.extend((0..4).map(|_| Rule::Formula(between(&calls, random))));
     all.truncate(genom_runtime::MOST_RULES);
     all
+}
+
+/// `a -> once[x, y] b`, or `a -> not once[x, y] b`, with bounds of which neither side is open.
+fn between(calls: &[Happening], random: &mut Random) -> Program {
+    const MS: u64 = 1_000_000;
+    let (a, b) = (*random.one(calls), *random.one(calls));
+    let least = MS * u64::try_from(1 + random.below(20)).unwrap();
+    let most = least + MS * u64::try_from(1 + random.below(15)).unwrap();
+    let parts = vec![
+        Part::Happens(vec![a]),
+        Part::Happens(vec![b]),
+        Part::Once(genom_runtime::Bounds { least, most }, 1),
+        Part::Not(2),
+        Part::Implies(0, if random.percent(50) { 2 } else { 3 }),
+    ];
+    Program::new(parts.into_iter().map(|part| (part, String::new())).collect()).unwrap()
 }
 
 /// The system of a run, with as many requests as may wait, and codels that take no time.
@@ -130,7 +155,7 @@ pub(super) fn system(plan: &Arc<Plan>, slots: usize) -> (System, Times) {
 fn what_the_runtime_says_is_broken_is_not_proved_to_be_unbreakable() {
     let limits = Limits { states: 4_000, time: Duration::MAX, ..Limits::default() };
     // By kind: broken there and found here, proved here, and neither.
-    let (mut found, mut proved, mut open) = ([0; 3], [0; 3], 0);
+    let (mut found, mut proved, mut open) = ([0; 4], [0; 4], 0);
     for seed in 0..120 {
         let (mut all, broken) = (Vec::new(), Arc::new(Broken::default()));
         let mut clock = None;
@@ -147,6 +172,7 @@ fn what_the_runtime_says_is_broken_is_not_proved_to_be_unbreakable() {
             let kind = match rule {
                 Rule::Activity { .. } => 0,
                 Rule::Stop { .. } => 1,
+                Rule::Formula(_) => 3,
                 _ => 2,
             };
             match system.fires(rule, Ok(&times), &limits) {

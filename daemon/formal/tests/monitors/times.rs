@@ -10,7 +10,7 @@ use super::{ARM, Arc, check, components, fires_in, fires_with, random};
 const MS: u64 = 1_000_000;
 
 /// A task whose cycles are long each fourth time, and one activity that ends by itself.
-const PACED: &str = "component paced {
+pub(super) const PACED: &str = "component paced {
   typedef long number;
   port out number value;
   task five { period 5 ms; codel<start> tick(out value) yield pause::start wcet 1 ms; };
@@ -26,7 +26,7 @@ const PACED: &str = "component paced {
 };";
 
 /// Sets the least time of a codel, and the longest one.
-fn takes(text: &str, codel: &str, least: u64, most: Option<u64>) -> impl Fn(&mut Times) {
+pub(super) fn takes(text: &str, codel: &str, least: u64, most: Option<u64>) -> impl Fn(&mut Times) {
     let analysis = read_text("c.gen", text, &Options::default());
     let plan = Plan::new(&Arc::new(analysis.specification), 0).unwrap();
     let time = Duration { least: least * MS, most: most.map(|most| most * MS) };

@@ -23,8 +23,8 @@ use genom_description::model::{CodelIx, Owner, PortIx, ServiceIx, StateIx, TaskI
 pub(crate) use broken::{Fact, Seen};
 pub(crate) use formulas::Formulas;
 pub use genom_monitor::{
-    Bounds, Happening, Judge, MOST_PARTS, MOST_STEPS, NoOrder, NoProgram, Noted, Order, Part,
-    Program,
+    Asked, Bounds, Happening, Judge, MOST_PARTS, MOST_STEPS, NoOrder, NoProgram, Noted, Order,
+    Part, Program,
 };
 pub(crate) use hear::Heard;
 pub(crate) use table::{Bound, Rules};
