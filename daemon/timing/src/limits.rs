@@ -36,7 +36,10 @@ impl fmt::Display for Limit {
         match self {
             Self::States(states) => write!(f, "more than {states} states"),
             Self::Memory(bytes) => write!(f, "more than {} MiB of states", bytes >> 20),
-            Self::Time(time) => write!(f, "more than {} s", time.as_secs_f64()),
+            // What several share is rarely a round number.
+            Self::Time(time) => {
+                write!(f, "more than {} s", (time.as_secs_f64() * 1e3).round() / 1e3)
+            }
         }
     }
 }
@@ -71,5 +74,17 @@ impl Limits {
         }
         let late = at.is_multiple_of(LOOK) && begin.elapsed() > self.time;
         late.then_some(Limit::Time(self.time))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_of_time_is_told_in_milliseconds_at_most() {
+        let told = |micros| Limit::Time(Duration::from_micros(micros)).to_string();
+        assert_eq!(told(1_499_969), "more than 1.5 s");
+        assert_eq!([told(10_000_000), told(50_000)], ["more than 10 s", "more than 0.05 s"]);
     }
 }

@@ -34,7 +34,7 @@ pub(crate) fn text(found: &Found, sources: &SourceMap) -> String {
         Ticks::Seen(times) => {
             let limit = times.limit().map(|limit| limit.to_string());
             times.tasks.iter().for_each(|one| task(&mut text, one, limit.as_deref(), sources));
-            times.responses.iter().for_each(|one| response(&mut text, one));
+            responses(&mut text, &times.responses);
         }
     }
     if let Some(explored) = &found.report.explored {
@@ -116,6 +116,30 @@ fn cycle(text: &mut String, task: &TaskReport) {
     }
 }
 
+/// Activities of which nothing is decided for the same reason share a line.
+fn responses(text: &mut String, all: &[Response]) {
+    let reason = |one: &Response| match (&one.begins, &one.ends) {
+        (Longest::Undecided(begins), Longest::Undecided(ends)) if begins == ends => {
+            Some(begins.clone())
+        }
+        _ => None,
+    };
+    let (open, known): (Vec<&Response>, Vec<&Response>) =
+        all.iter().partition(|one| reason(one).is_some());
+    known.into_iter().for_each(|one| response(text, one));
+    for same in open.chunk_by(|a, b| reason(a) == reason(b)) {
+        match same {
+            [one] => response(text, one),
+            _ => {
+                let names: Vec<&str> = same.iter().map(|one| one.service.as_str()).collect();
+                let why = reason(same[0]).unwrap_or_default();
+                let what = format!("activities {} not decided: {why}", names.join(", "));
+                line(text, "respond", &what);
+            }
+        }
+    }
+}
+
 fn response(text: &mut String, response: &Response) {
     let Response { service, begins, ends } = response;
     let begins = longest(begins, "it is never accepted", "begins", "after it was accepted");
@@ -140,4 +164,28 @@ fn place(span: Option<Span>, sources: &SourceMap) -> String {
         let location = sources.location(span);
         format!(" ({}:{})", location.path.display(), location.line)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn activities_of_which_nothing_is_decided_share_a_line() {
+        let open = |why: &str| Longest::Undecided(why.into());
+        let one = |service: &str, begins, ends| Response { service: service.into(), begins, ends };
+        let all = [
+            one("a", open("more than 1.5 s"), open("more than 1.5 s")),
+            one("b", Longest::Most(5_000_000), open("more than 1.5 s")),
+            one("c", open("more than 1.5 s"), open("more than 1.5 s")),
+            one("d", open("more than 9 states"), open("more than 9 states")),
+        ];
+        let mut text = String::new();
+        responses(&mut text, &all);
+        let lines: Vec<&str> = text.lines().map(str::trim_end).collect();
+        assert_eq!(lines.len(), 3, "{text}");
+        assert!(lines[0].contains("activity b begins at most 5.000 ms"), "{text}");
+        assert_eq!(lines[1], "respond  activities a, c not decided: more than 1.5 s");
+        assert!(lines[2].contains("activity d when it begins"), "{text}");
+    }
 }
