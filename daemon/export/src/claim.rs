@@ -4,7 +4,7 @@ use genom_description::model::{CodelIx, Ix as _};
 
 use genom_formal::{Atom, Formula, Join, System, Term};
 
-use crate::tables::{executors, runs_of_task};
+use crate::tables::{executed, most_pending, runs_of_task};
 
 /// The claim `user`; `None` if the formula speaks of the past, which Promela's do not.
 pub(crate) fn claim(system: &System, formula: &Formula, model: &str) -> Option<String> {
@@ -58,10 +58,7 @@ fn fact(system: &System, atom: Atom) -> String {
         places.map(|at| format!("({} && {})", own(at), what(task, at))).collect()
     };
     let all = match atom {
-        Atom::Codel(codel) => {
-            let contexts = executors(system, CodelIx::new(codel.into())).into_iter();
-            contexts.map(|context| format!("held[{context}] == {}", codel + 1)).collect()
-        }
+        Atom::Codel(codel) => executed(system, CodelIx::new(codel.into())),
         Atom::Run(service) => of_service(service, &|t, x| {
             format!(
                 "{x} < T[{t}].nr && T[{t}].r[{x}].end == 0 && \
@@ -72,8 +69,7 @@ fn fact(system: &System, atom: Atom) -> String {
             let mut all = of_service(service, &|t, x| {
                 format!("{x} < T[{t}].nr + T[{t}].ni && T[{t}].r[{x}].life == INIT")
             });
-            let activities = system.services().iter().filter(|one| one.machine.is_some()).count();
-            let places = 0..(activities * system.bounds().instances).max(1);
+            let places = 0..most_pending(system);
             all.extend(places.map(|at| format!("({at} < np && pending[{at}] == {service})")));
             all
         }

@@ -2,11 +2,12 @@
 
 use std::fmt::Write as _;
 
-use genom_description::model::Ix as _;
-use genom_formal::{System, Times, Work};
+use genom_formal::{System, Times};
 
 use crate::error::ExportError;
-use crate::tables::{Entry, Sizes, durations, executors, listed, periodic, tables, wakes};
+use crate::tables::{
+    Entry, Sizes, durations, executed, is_aborted, listed, periodic, tables, wakes,
+};
 
 /// The rules in Promela.
 const RULES: &str = include_str!("rules.pml");
@@ -62,11 +63,10 @@ fn head(system: &System, timed: bool) -> String {
 }
 
 fn defines(text: &mut String, system: &System, sizes: &Sizes) {
-    let first = if sizes.tasks == 0 { "RUNNING" } else { "STARTING" };
     for (name, value) in sizes.constants(system) {
         let _ = writeln!(text, "#define {name} {value}");
     }
-    let _ = writeln!(text, "#define FIRST_PHASE {first}");
+    let _ = writeln!(text, "#define FIRST_PHASE {}", sizes.first_phase());
     let contexts = sizes.contexts();
     let pairs = (0..contexts).flat_map(|a| (a + 1..contexts).map(move |b| (a, b)));
     let together = |(a, b): (usize, usize)| {
@@ -110,13 +110,10 @@ fn properties(text: &mut String, system: &System) {
     let or = |all: &[String]| if all.is_empty() { "false".into() } else { all.join(" || ") };
     let _ = writeln!(text, "\nltl start {{ [] (phase != RUNNING) }}");
     for (ix, codel) in system.plan().component().codels.pairs() {
-        let contexts = executors(system, ix);
-        if contexts.is_empty() {
-            // The runtime implements it.
+        let executes = executed(system, ix);
+        if executes.is_empty() {
             continue;
         }
-        let executes: Vec<String> =
-            contexts.iter().map(|c| format!("held[{c}] == {}", ix.index() + 1)).collect();
         let _ = writeln!(text, "ltl never_{} {{ [] !({}) }}", codel.name, or(&executes));
     }
     for (service, at) in system.services().iter().zip(0u16..) {
@@ -145,8 +142,7 @@ fn processes(text: &mut String, system: &System, sizes: &Sizes, timed: bool) {
     run.push("run control()".into());
     let clients = services.iter().filter(|at| system.services()[**at].builtin.is_none());
     run.extend(clients.map(|at| format!("run service({at})")));
-    let aborts = |at: &usize| system.services()[*at].work.first() == Some(&Work::Abort);
-    if system.bounds().abort && sizes.tasks > 0 && services.iter().any(aborts) {
+    if is_aborted(system) {
         if wakes(system) {
             run.push("run abort_pending(NONE)".into());
         }

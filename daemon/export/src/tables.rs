@@ -3,7 +3,7 @@
 use std::fmt;
 
 use genom_description::model::{CodelIx, Ix as _};
-use genom_formal::{Answer, Service, System, Times, Work};
+use genom_formal::{Answer, Period, Service, System, Times, Work};
 use genom_runtime::plan::Builtin;
 
 use crate::error::ExportError;
@@ -66,6 +66,23 @@ pub(crate) fn runs_of_task(system: &System, task: usize) -> usize {
     own.count() * system.bounds().instances + 2
 }
 
+/// Accepted activities that are not sent, at most.
+pub(crate) fn most_pending(system: &System) -> usize {
+    let activities = system.services().iter().filter(|service| service.machine.is_some()).count();
+    (activities * system.bounds().instances).max(1)
+}
+
+/// Whether a service asks an activity to stop (R13).
+fn aborts(service: &Service) -> bool {
+    service.work.first() == Some(&Work::Abort)
+}
+
+/// Whether clients ask activities to stop.
+pub(crate) fn is_aborted(system: &System) -> bool {
+    let may = system.bounds().abort && !system.periods().is_empty();
+    may && system.services().iter().any(aborts)
+}
+
 /// Whether there is a task without period, which others wake.
 pub(crate) fn wakes(system: &System) -> bool {
     system.periods().iter().any(Option::is_none)
@@ -79,7 +96,6 @@ impl Sizes {
     pub(crate) fn new(system: &System, format: &'static str) -> Result<Self, ExportError> {
         let component = system.plan().component();
         let (tasks, services) = (system.periods().len(), system.services());
-        let activities = services.iter().filter(|service| service.machine.is_some()).count();
         // With events several states of an activity may be active.
         let several = system.bounds().fire && !component.sinks.is_empty();
         let machines = system.machines();
@@ -94,7 +110,7 @@ impl Sizes {
             machines: machines.len(),
             runs: (0..tasks).map(|task| runs_of_task(system, task)).max().unwrap_or(2),
             places: if several { places.max(1) + 1 } else { 1 },
-            pending: (activities * system.bounds().instances).max(1),
+            pending: most_pending(system),
         };
         let limits = [
             ("tasks and services", tasks + sizes.services, MOST),
@@ -112,6 +128,11 @@ impl Sizes {
     /// Tasks, and workers of services.
     pub(crate) fn contexts(&self) -> usize {
         self.tasks + self.services.max(1)
+    }
+
+    /// The phase in which the component begins.
+    pub(crate) fn first_phase(&self) -> &'static str {
+        if self.tasks == 0 { "RUNNING" } else { "STARTING" }
     }
 
     /// Constants by their names. Nothing is empty in them, so that arrays can have these lengths.
@@ -191,13 +212,12 @@ fn services(system: &System) -> Vec<Entry> {
     };
     let work: Vec<Vec<usize>> = all.iter().map(|s| nodes(&s.work)).collect();
     let first = |at: usize| work[..at].iter().map(Vec::len).sum::<usize>();
-    let aborts = |work: &[Work]| usize::from(work.first() == Some(&Work::Abort));
     let interrupts = all.iter().flat_map(|s| s.interrupts.iter().map(|is| usize::from(*is)));
     vec![
         Entry::Note("services", (0..small(count)).map(|at| system.service_name(at)).collect()),
         Entry::Table("S_MACHINE", all.iter().map(|s| plus_one(s.machine)).collect()),
         Entry::Table("S_ORDERED", all.iter().map(|s| usize::from(s.ordered)).collect()),
-        Entry::Table("S_ABORTS", all.iter().map(|s| aborts(&s.work)).collect()),
+        Entry::Table("S_ABORTS", all.iter().map(|s| usize::from(aborts(s))).collect()),
         Entry::Table("BEFORE", matrix(|service| &service.before)),
         Entry::Table("AFTER", matrix(|service| &service.after)),
         Entry::Table("INTERRUPTS", interrupts.collect()),
@@ -250,21 +270,27 @@ pub(crate) fn periodic(system: &System) -> Entry {
 pub(crate) fn durations(system: &System, times: &Times) -> Vec<Entry> {
     let unit = times.unit(system);
     let units = |ns: u64| usize::try_from(ns / unit).unwrap_or(usize::MAX);
-    let periods = || system.periods().iter().map(|p| p.map_or((0, 0), |p| (p.period, p.delay)));
-    let since =
-        |(period, delay): (u64, u64)| if period == 0 { 0 } else { (period - delay) % period };
+    let of_ticks = |time: fn(Period) -> u64| {
+        system.periods().iter().map(|period| units(period.map_or(0, time))).collect()
+    };
     let nodes = 0..small(system.plan().nodes().len());
     let nodes = || nodes.clone().map(|node| times.of(node));
     vec![
-        Entry::Table("PERIOD", periods().map(|(period, _)| units(period)).collect()),
-        Entry::Table("SINCE_TICK", periods().map(|period| units(since(period))).collect()),
+        Entry::Table("PERIOD", of_ticks(|period| period.period)),
+        Entry::Table("SINCE_TICK", of_ticks(Period::before_start)),
         Entry::Table("LEAST", nodes().map(|d| units(d.least)).collect()),
         Entry::Table("MOST", nodes().map(|d| units(d.most.unwrap_or(0))).collect()),
     ]
 }
 
+/// Conditions of which one holds while a codel is executed; none if the runtime implements it.
+pub(crate) fn executed(system: &System, codel: CodelIx) -> Vec<String> {
+    let held = |context| format!("held[{context}] == {}", codel.index() + 1);
+    executors(system, codel).into_iter().map(held).collect()
+}
+
 /// The contexts that may execute a codel.
-pub(crate) fn executors(system: &System, codel: CodelIx) -> Vec<usize> {
+fn executors(system: &System, codel: CodelIx) -> Vec<usize> {
     let codel = small(codel.index());
     let machines = system.machines().iter().filter(|m| m.codels.contains(&Some(codel)));
     let mut all: Vec<usize> = machines.map(|machine| usize::from(machine.task)).collect();

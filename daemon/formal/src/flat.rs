@@ -157,7 +157,7 @@ fn least(system: &System, times: &Times, state: &State, action: Action) -> Optio
 fn before(system: &System, unit: u64) -> Vec<(String, u64, String)> {
     let since = |(period, task): (&Option<crate::Period>, u16)| {
         let period = (*period)?;
-        Some(((period.period - period.delay) % period.period / unit, name(Clock::Tick(task))))
+        Some((period.before_start() / unit, name(Clock::Tick(task))))
     };
     let mut all: Vec<(u64, String)> = system.periods.iter().zip(0u16..).filter_map(since).collect();
     all.sort_by_key(|(since, _)| std::cmp::Reverse(*since));

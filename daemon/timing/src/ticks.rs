@@ -12,6 +12,20 @@ pub struct Period {
     pub delay: u64,
 }
 
+impl Period {
+    /// The date of its first tick after the start-up, which begins at 0.
+    #[must_use]
+    pub fn first(self) -> u64 {
+        if self.delay > 0 { self.delay } else { self.period }
+    }
+
+    /// How long before the start of the component its last tick would have been; 0 if that is at the start.
+    #[must_use]
+    pub fn before_start(self) -> u64 {
+        (self.period - self.delay) % self.period
+    }
+}
+
 /// Cycles of another task that there may be in part while one of this length lasts from a tick on:
 /// all dates of ticks are known. A cycle of the other task is over after `response` at the latest.
 #[must_use]

@@ -24,14 +24,13 @@ pub(super) fn declared(
     for (name, value) in constants {
         let _ = writeln!(text, "const int {name} = {value};");
     }
-    let first = if sizes.tasks == 0 { "RUNNING" } else { "STARTING" };
     let entries = |text: &mut String, all: &[Entry]| all.iter().for_each(|one| entry(text, one));
     entries(&mut text, &tables(system));
     match times {
         None => entry(&mut text, &periodic(system)),
         Some(times) => entries(&mut text, &clocks(system, times)?),
     }
-    text.push_str(&RULES.replace("FIRST_PHASE", first));
+    text.push_str(&RULES.replace("FIRST_PHASE", sizes.first_phase()));
     if times.is_some() {
         text.push_str(CLOCKS);
     }

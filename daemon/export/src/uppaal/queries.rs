@@ -1,9 +1,8 @@
 //! What is asked of a model: the properties of docs/verify.md.
 
-use genom_description::model::Ix as _;
 use genom_formal::System;
 
-use crate::tables::{executors, small};
+use crate::tables::{executed, small};
 use crate::xml::query;
 
 pub(super) fn queries(text: &mut String, system: &System, timed: bool) {
@@ -16,10 +15,7 @@ pub(super) fn queries(text: &mut String, system: &System, timed: bool) {
     query(text, "A[] not together()", "exclude: what excludes each other is never executed");
     query(text, "E<> phase == RUNNING", "start: the start-up comes to its end");
     for (ix, codel) in system.plan().component().codels.pairs() {
-        let contexts = executors(system, ix);
-        let executes: Vec<String> =
-            contexts.iter().map(|c| format!("held[{c}] == {}", ix.index() + 1)).collect();
-        // Others are implemented by the runtime.
+        let executes = executed(system, ix);
         if !executes.is_empty() {
             let formula = format!("E<> ({})", executes.join(" || "));
             query(text, &formula, &format!("reach: codel {} can run", codel.name));

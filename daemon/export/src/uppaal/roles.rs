@@ -1,9 +1,9 @@
 //! Who takes the steps of the rules.
 
-use genom_formal::{System, Work};
+use genom_formal::System;
 
 use super::role::{Role, Step};
-use crate::tables::{Sizes, most_answers, small, wakes};
+use crate::tables::{Sizes, is_aborted, most_answers, small, wakes};
 
 /// What the edges of all roles are made with.
 struct Edges {
@@ -22,7 +22,7 @@ pub(super) fn roles(system: &System, sizes: &Sizes, timed: bool) -> Vec<Role> {
         edges.client(system),
         event(system, sizes),
     ];
-    all.extend(stop(system, sizes));
+    all.extend(stop(system));
     all.retain(Role::is_there);
     all
 }
@@ -127,10 +127,8 @@ fn control() -> Role {
 }
 
 /// R13
-fn stop(system: &System, sizes: &Sizes) -> Option<Role> {
-    let mut services = system.services().iter();
-    let aborts = services.any(|service| service.work.first() == Some(&Work::Abort));
-    if !system.bounds().abort || sizes.tasks == 0 || !aborts {
+fn stop(system: &System) -> Option<Role> {
+    if !is_aborted(system) {
         return None;
     }
     let mut steps = vec![

@@ -46,14 +46,14 @@ impl Startup {
     /// Whether all first cycles are over before the first tick of any task. Else a cycle that a tick
     /// begins may wait for what others only execute in theirs.
     pub(super) fn is_regular(&self, system: &System) -> bool {
-        let first = system.periods.iter().flatten().map(|period| first_tick(*period)).min();
+        let first = system.periods.iter().flatten().map(|period| period.first()).min();
         let periodic = system.periods.iter().zip(&self.ends).filter(|(period, _)| period.is_some());
         let mut ends = periodic.map(|(_, ends)| *ends);
         ends.all(|ends| ends.is_some_and(|ends| Some(ends) < first))
     }
 
     fn is_before(&self, task: usize, period: Period) -> bool {
-        self.ends[task].is_some_and(|ends| ends < first_tick(period))
+        self.ends[task].is_some_and(|ends| ends < period.first())
     }
 
     /// The longest time from a tick to the end of its cycle, if it may have been kept until the
@@ -73,9 +73,4 @@ impl Startup {
             (response, _) => response,
         }
     }
-}
-
-/// The first tick of a task after the start-up.
-fn first_tick(period: Period) -> u64 {
-    if period.delay > 0 { period.delay } else { period.period }
 }

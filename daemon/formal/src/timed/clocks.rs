@@ -47,7 +47,7 @@ pub(crate) fn is_urgent(system: &System, state: &State) -> bool {
 pub(crate) fn initial(system: &System, times: &Times, state: &State) -> Option<Zone> {
     let since = |clock: &Clock| match clock {
         Clock::Tick(task) => {
-            system.periods[usize::from(*task)].map_or(0, |p| bound((p.period - p.delay) % p.period))
+            system.periods[usize::from(*task)].map_or(0, |period| bound(period.before_start()))
         }
         Clock::Since(_) | Clock::Followed(_) | Clock::Noted(..) => 0,
     };

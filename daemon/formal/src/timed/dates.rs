@@ -5,7 +5,7 @@ use super::times::Times;
 use crate::action::Action;
 use crate::state::State;
 use crate::system::System;
-use genom_timing::{AtLeast, earliest};
+use genom_timing::{AtLeast, Period, earliest};
 
 /// The dates of the steps of a run, in nanoseconds from the start of the component.
 pub(crate) fn dates(system: &System, times: &Times, run: &[(State, Action)]) -> Vec<u64> {
@@ -37,10 +37,11 @@ fn rules<'s>(
     let mut push = |later, earlier, by| rules.push(AtLeast { later, earlier, by });
     // When each context began what it executes, and the next tick of each task.
     let mut began: Vec<(u16, usize)> = Vec::new();
-    let ticks = system.periods.iter().zip(0..).map(|(period, task)| {
-        let period = period.filter(|_| system.ticks_of(task));
-        period.map(|p| if p.delay > 0 { p.delay } else { p.period })
-    });
+    let ticks = system
+        .periods
+        .iter()
+        .zip(0..)
+        .map(|(period, task)| period.filter(|_| system.ticks_of(task)).map(Period::first));
     let mut next: Vec<Option<u64>> = ticks.collect();
     for (at, (state, action)) in run.enumerate() {
         let (before, date) = (at, at + 1);
